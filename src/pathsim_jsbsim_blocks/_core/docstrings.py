@@ -25,13 +25,3 @@ def filler(**texts: str) -> Callable[[Documented], Documented]:
         return documented
 
     return fill
-
-
-def entries(documented: Any, **names: str) -> str:
-    """Texts of parameters from the docstring that explains them, each under another's name."""
-    page = cleandoc(documented.__doc__ or "")  # absent under python -OO
-    found = []
-    for name, there in names.items():
-        entry = re.search(rf"^{there}( : .*\n(?: +.*\n?)+)", page, re.MULTILINE)
-        found.append(f"{name}{entry[1]}" if entry else "")
-    return "".join(x if x.endswith("\n") else f"{x}\n" for x in found)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from .._core.checks import heading, number, positive, whole
-from .._core.docstrings import filler
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
 from .._core.sampling import SampledLaw
@@ -15,26 +14,6 @@ from ..axes.navigation import distance, line_to, place_unchecked, point
 
 RADIUS = 20.9e6  # ft, of the Earth: the surface falls away from a straight glide path
 _CORRELATION = 0.5  # s, of the noise
-
-fill = filler(
-    beam="""
-    width : float
-        deviation at the edge of the beam, deg; further out ``deg`` and ``ft`` stay what they are
-        there. ``inf`` for none
-    noise : float
-        standard deviation of the noise, deg, with a correlation time of 0.5 s
-    seed : int
-        of the random numbers, 0 or more
-    T : float
-        sample period in s
-    """,
-    raises="""
-    Raises
-    ------
-    ParameterError
-        for values that are not finite or out of range
-    """,
-)
 
 
 class _Receiver(SampledLaw):
@@ -67,7 +46,6 @@ class _Receiver(SampledLaw):
         return [degrees + error, feet], (k + 1, last)
 
 
-@fill
 @dataclass(eq=False, repr=False)
 class Localizer(_Receiver):
     """Receiver of a localizer: where the aircraft is beside the course to a runway.
@@ -80,7 +58,15 @@ class Localizer(_Receiver):
         geodetic latitude and longitude of the antenna, deg; usually beyond the runway's far end
     course : float
         true course of the approach, deg
-    %(beam)s
+    width : float
+        deviation at the edge of the beam, deg; further out ``deg`` and ``ft`` stay what they are
+        there. ``inf`` for none
+    noise : float
+        standard deviation of the noise, deg, with a correlation time of 0.5 s
+    seed : int
+        of the random numbers, 0 or more
+    T : float
+        sample period in s
 
     Inputs
     ------
@@ -97,7 +83,10 @@ class Localizer(_Receiver):
     dist
         distance along the course to the station, ft; negative beyond it
 
-    %(raises)s
+    Raises
+    ------
+    ParameterError
+        for values that are not finite or out of range
     """
 
     station: tuple[float, float] = parameter((0.0, 0.0), point)
@@ -122,7 +111,6 @@ class Localizer(_Receiver):
         return [*seen, to_go], state
 
 
-@fill
 @dataclass(eq=False, repr=False)
 class Glideslope(_Receiver):
     """Receiver of a glide slope: how high the aircraft is above the path to a runway.
@@ -139,7 +127,15 @@ class Glideslope(_Receiver):
         height of the ground there above sea level, ft
     angle : float
         glide path angle in [0.1, 20], deg
-    %(beam)s
+    width : float
+        deviation at the edge of the beam, deg; further out ``deg`` and ``ft`` stay what they are
+        there. ``inf`` for none
+    noise : float
+        standard deviation of the noise, deg, with a correlation time of 0.5 s
+    seed : int
+        of the random numbers, 0 or more
+    T : float
+        sample period in s
 
     Inputs
     ------
@@ -157,7 +153,10 @@ class Glideslope(_Receiver):
     dist
         distance to the station over the ground, ft
 
-    %(raises)s
+    Raises
+    ------
+    ParameterError
+        for values that are not finite or out of range
     """
 
     station: tuple[float, float] = parameter((0.0, 0.0), point)

@@ -23,7 +23,6 @@ from .._core.ports import numbered
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write
 from .channels import Channel, port_channel, unit_of
-from .docstrings import fill
 from .flightgear import address
 from .property_ports import behind
 from .trimming.condition import TrimCondition
@@ -32,7 +31,6 @@ from .trimming.condition import TrimCondition
 _STOP_TO_STOP = 2.0
 
 
-@fill
 @dataclass(eq=False, repr=False)
 class Aircraft(FlightBlock):
     """Trimmed JSBSim aircraft with short ports; inputs are increments on the trimmed commands.
@@ -45,15 +43,41 @@ class Aircraft(FlightBlock):
 
     Parameters
     ----------
-    %(start)s
-    %(turn)s
-    %(configuration)s
+    aircraft : str
+        name of the JSBSim model
+    altitude : float
+        altitude above mean sea level in ft, geometric, up to 278,386, near the end of the standard
+        atmosphere (1,000,000 in mode "none")
+    speed : float
+        calibrated airspeed in kt, up to 2000; not used if ``mach`` is given
+    mach : float, optional
+        Mach number instead of ``speed``, up to 30
+    gamma : float
+        flight path angle in deg, positive in a climb
+    heading : float
+        true heading in deg
+    bank : float
+        bank angle in deg, right wing down positive (mode "turn" only)
+    mode : str
+        "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear, ``altitude``
+        is the ground's), "pull-up", "turn", "glide" (throttle closed or no engine, ``gamma`` free
+        and its value only the first guess), or "none" (initialise only). On the ground ``speed``,
+        ``mach`` and ``gamma`` do not apply, and udot is not part of the trim: engines idle and
+        brakes are off, so it may creep (c172p: 5.6 ft/s2)
+    gear : float, optional
+        landing gear, 0 up to 1 down; default is the model's own setting, which is often down even
+        where it retracts (737, B747): 0 is what an aircraft above 200 KCAS should have
+    flaps : float, optional
+        flap command, 0 to 1; default is the model's own setting
     T : float
         sample period in s
     condition : TrimCondition, optional
         replaces the parameters from ``altitude`` to ``flaps``, ``latitude`` and ``longitude`` where
         they are not sufficient
-    %(written)s
+    setup : dict, optional
+        properties written before initialisation and trim (fuel, payload)
+    properties : dict, optional
+        properties written after the trim (turbulence)
     input_properties : list of str, optional
         further inputs, which come after the fixed ones: short names ("flaps", "gear", "speedbrake",
         "spoilers", "brakes", "left_brake", "right_brake", "steering", and "throttle[0]",
@@ -81,7 +105,30 @@ class Aircraft(FlightBlock):
         JSBSim steps per sample period
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
-    %(surroundings)s
+    create : dict, optional
+        properties, with their values, that the model expects from its environment (FlightGear)
+        and JSBSim does not create; the error of a model that lacks one names it
+    allow_network : bool
+        let the model open the sockets that its XML asks for (FlightGear, telnet input)
+    allow_files : bool
+        let the model write the output files that its XML asks for (CSV)
+    integrators : str or dict
+        "default" (JSBSim's own: Euler for rotation), "precise" (a third of the error in flight at
+        the same T; less stable on the ground below 120 Hz), or methods by state:
+        ``{"rate_rotational": "adams-bashforth 3"}``. States: ``rate_rotational``,
+        ``rate_translational``, ``position_rotational``, ``position_translational``. Methods:
+        "none" (the state stays), "euler", "trapezoidal", "adams-bashforth 2" to
+        "adams-bashforth 5"; for ``position_rotational`` also "buss 1", "buss 2",
+        "local linearization"
+    planet : str or dict, optional
+        "WGS-84", "round" (a sphere of the same area, rotating), "round, fixed" (not rotating), or
+        what differs from WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
+        (rad/s), ``GM`` (ft3/s2), ``J2``; default is the model's own, or WGS-84
+    gravity : str, optional
+        "J2" (of the ellipsoid) or "point mass"; default is JSBSim's, J2
+    flightgear : str, optional
+        ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
+        FDM packets there by UDP, 60 in a second of the flight. Nothing waits for them
     latitude : float, optional
         where the flight starts: geodetic latitude in deg, north positive; default is the model's
         own (0)
@@ -104,13 +151,39 @@ class Aircraft(FlightBlock):
 
     Outputs
     -------
-    %(motion)s
+    theta, phi, psi
+        pitch, roll and heading angle, deg; `Aircraft` shows a heading in [0, 360)
+    p, q, r
+        body rates, deg/s
+    alpha, beta, gamma
+        angle of attack, sideslip angle, flight path angle, deg
+    h
+        altitude above mean sea level, ft
+    hdot
+        rate of climb, ft/s
+    vc
+        calibrated airspeed, kt
+    vt
+        true airspeed, ft/s
+    mach
+        Mach number
+    nx, nz
+        load factors, g; nz is +1 in level flight
+    lat, lon
+        geodetic latitude and longitude, deg
     elev_sat, ail_sat, rud_sat, thr_sat
         increment demanded minus increment applied in the last
         period: not 0 while a command is at the end of its range (feedback against wind-up). That of
         the throttle is the mean over the engines that run, or over all if none does
 
-    %(raises)s
+    Raises
+    ------
+    AircraftError, PropertyError, ParameterError, TrimError
+        when the block is built: unknown names and values that cannot be, or no trim
+    FlightError
+        in flight, when an input or the state is not finite, the aircraft has crashed or is under
+        the ground, or something else runs or holds it; of `Aircraft` also at a contact with the
+        ground beyond ``sink_max`` or ``scrape_max``
 
     Examples
     --------

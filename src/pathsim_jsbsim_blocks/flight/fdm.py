@@ -10,14 +10,12 @@ from .._core.parameters import parameter
 from .._core.pathsim_internals import port_names
 from .block import FlightBlock, Read, Write
 from .channels import Channel, unit_of
-from .docstrings import fill
 from .flightgear import address
 from .trimming.condition import TrimCondition
 
 _ROUNDING = 1e-9  # of a search that ends at 0
 
 
-@fill
 @dataclass(eq=False, repr=False)
 class JSBSimFDM(FlightBlock):
     """JSBSim aircraft with any of its properties as ports.
@@ -43,11 +41,30 @@ class JSBSimFDM(FlightBlock):
         name of the model
     trim_airspeed : float
         calibrated airspeed to trim at, kt
-    %(trim)s
-    %(configuration)s
+    trim_altitude : float
+        altitude above mean sea level in ft, geometric, up to 278,386, near the end of the standard
+        atmosphere (1,000,000 in mode "none")
+    trim_gamma : float
+        flight path angle in deg, positive in a climb
+    trim_heading : float
+        true heading in deg
+    trim_mode : str
+        "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear, ``altitude``
+        is the ground's), "pull-up", "turn", "glide" (throttle closed or no engine, ``gamma`` free
+        and its value only the first guess), or "none" (initialise only). On the ground ``speed``,
+        ``mach`` and ``gamma`` do not apply, and udot is not part of the trim: engines idle and
+        brakes are off, so it may creep (c172p: 5.6 ft/s2)
+    gear : float, optional
+        landing gear, 0 up to 1 down; default is the model's own setting, which is often down even
+        where it retracts (737, B747): 0 is what an aircraft above 200 KCAS should have
+    flaps : float, optional
+        flap command, 0 to 1; default is the model's own setting
     condition : TrimCondition, optional
         replaces the trim parameters above where they are not sufficient
-    %(written)s
+    setup : dict, optional
+        properties written before initialisation and trim (fuel, payload)
+    properties : dict, optional
+        properties written after the trim (turbulence)
 
     Other Parameters
     ----------------
@@ -55,7 +72,30 @@ class JSBSimFDM(FlightBlock):
         JSBSim root directory; default is the one shipped with jsbsim
     substeps : int
         JSBSim steps per sample period
-    %(surroundings)s
+    create : dict, optional
+        properties, with their values, that the model expects from its environment (FlightGear)
+        and JSBSim does not create; the error of a model that lacks one names it
+    allow_network : bool
+        let the model open the sockets that its XML asks for (FlightGear, telnet input)
+    allow_files : bool
+        let the model write the output files that its XML asks for (CSV)
+    integrators : str or dict
+        "default" (JSBSim's own: Euler for rotation), "precise" (a third of the error in flight at
+        the same T; less stable on the ground below 120 Hz), or methods by state:
+        ``{"rate_rotational": "adams-bashforth 3"}``. States: ``rate_rotational``,
+        ``rate_translational``, ``position_rotational``, ``position_translational``. Methods:
+        "none" (the state stays), "euler", "trapezoidal", "adams-bashforth 2" to
+        "adams-bashforth 5"; for ``position_rotational`` also "buss 1", "buss 2",
+        "local linearization"
+    planet : str or dict, optional
+        "WGS-84", "round" (a sphere of the same area, rotating), "round, fixed" (not rotating), or
+        what differs from WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
+        (rad/s), ``GM`` (ft3/s2), ``J2``; default is the model's own, or WGS-84
+    gravity : str, optional
+        "J2" (of the ellipsoid) or "point mass"; default is JSBSim's, J2
+    flightgear : str, optional
+        ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
+        FDM packets there by UDP, 60 in a second of the flight. Nothing waits for them
 
     Inputs
     ------
@@ -67,7 +107,14 @@ class JSBSimFDM(FlightBlock):
     as ``output_properties``
         the property names are the port names, in the property's unit
 
-    %(raises)s
+    Raises
+    ------
+    AircraftError, PropertyError, ParameterError, TrimError
+        when the block is built: unknown names and values that cannot be, or no trim
+    FlightError
+        in flight, when an input or the state is not finite, the aircraft has crashed or is under
+        the ground, or something else runs or holds it; of `Aircraft` also at a contact with the
+        ground beyond ``sink_max`` or ``scrape_max``
 
     Examples
     --------

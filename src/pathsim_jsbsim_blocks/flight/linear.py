@@ -12,7 +12,6 @@ from .._core.ports import numbered
 from ..linear.block import LinearModelBlock
 from ..linear.model import LinearModel
 from .aircraft import Aircraft
-from .docstrings import fill
 from .trimming.condition import TrimCondition
 
 
@@ -74,7 +73,6 @@ def linear_model(
     return plane.linear_model(method, inputs, outputs, amplitude)
 
 
-@fill
 @dataclass(eq=False, repr=False)
 class LinearAircraft(LinearModelBlock):
     """Linear model of a trimmed JSBSim aircraft, with the commands and outputs of `Aircraft`.
@@ -89,15 +87,34 @@ class LinearAircraft(LinearModelBlock):
 
     Parameters
     ----------
-    %(start)s
-    %(configuration)s
+    aircraft : str
+        name of the JSBSim model
+    altitude : float
+        altitude above mean sea level in ft, geometric, up to 278,386, near the end of the standard
+        atmosphere (1,000,000 in mode "none")
+    speed : float
+        calibrated airspeed in kt, up to 2000; not used if ``mach`` is given
+    mach : float, optional
+        Mach number instead of ``speed``, up to 30
+    gamma : float
+        flight path angle in deg, positive in a climb
+    heading : float
+        true heading in deg
+    gear : float, optional
+        landing gear, 0 up to 1 down; default is the model's own setting, which is often down even
+        where it retracts (737, B747): 0 is what an aircraft above 200 KCAS should have
+    flaps : float, optional
+        flap command, 0 to 1; default is the model's own setting
     T : float
         sample period in s of the aircraft whose model it is
     substeps : int
         JSBSim steps per sample period
     condition : TrimCondition, optional
         replaces the parameters from ``altitude`` to ``flaps`` where they are not sufficient
-    %(written)s
+    setup : dict, optional
+        properties written before initialisation and trim (fuel, payload)
+    properties : dict, optional
+        properties written after the trim (turbulence)
     method : str
         "flown" or "algebraic", as in `Aircraft.linear_model`
     root : str, optional
@@ -112,7 +129,26 @@ class LinearAircraft(LinearModelBlock):
 
     Outputs
     -------
-    %(motion)s
+    theta, phi, psi
+        pitch, roll and heading angle, deg; `Aircraft` shows a heading in [0, 360)
+    p, q, r
+        body rates, deg/s
+    alpha, beta, gamma
+        angle of attack, sideslip angle, flight path angle, deg
+    h
+        altitude above mean sea level, ft
+    hdot
+        rate of climb, ft/s
+    vc
+        calibrated airspeed, kt
+    vt
+        true airspeed, ft/s
+    mach
+        Mach number
+    nx, nz
+        load factors, g; nz is +1 in level flight
+    lat, lon
+        geodetic latitude and longitude, deg
     elev_sat, ail_sat, rud_sat, thr_sat
         0: commands have no limits here
 

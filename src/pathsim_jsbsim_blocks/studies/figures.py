@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from inspect import cleandoc
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,22 +21,6 @@ _MARKERS = "osD^vPX*"
 # reason for which a point does not trim: its marker in a map
 _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence": "+"}
 
-_PAGE = """\
-{text}
-
-Parameters
-----------
-table : DataFrame
-    of {study}
-title : str
-    headline
-
-Raises
-------
-ParameterError
-    if the table lacks a column, or no point of it trims
-"""
-
 
 def _chart(study: str, columns: str) -> Callable[[Callable[..., Any]], Callable[..., Figure]]:
     """A decorator of what draws a table and its trimmed rows, and returns figure and headline.
@@ -52,7 +35,7 @@ def _chart(study: str, columns: str) -> Callable[[Callable[..., Any]], Callable[
             return figure
 
         chart.__name__ = chart.__qualname__ = draw.__name__
-        chart.__doc__ = _PAGE.format(text=cleandoc(draw.__doc__ or ""), study=study)
+        chart.__doc__ = draw.__doc__
         return chart
 
     return complete
@@ -88,6 +71,18 @@ def alpha_elevator_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Fi
 
     One line for each altitude and, where the table has them, weight case and CG shift (shown in
     inches of the empty-weight CG). The legend gives weight and CG of the first point of each line.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of aoa_vs_cas, aoa_vs_cas_loading or a trim_sweep over speed
+    title : str
+        headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
     """
     lines = list(_lines(trimmed))
     figure, axes = subplots(
@@ -146,6 +141,18 @@ def envelope_map(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, st
     """Throttle, thrust and angle of attack over airspeed and flight path angle, in three panels.
 
     Points without trim carry the mark of their reason, so that the map shows what bounds it.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of trim_envelope or a trim_sweep over speed and gamma
+    title : str
+        headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
     """
     from matplotlib.ticker import MaxNLocator
 
@@ -181,6 +188,18 @@ def thrust_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, st
 
     One panel for each case. The curve is flat there and has kinks from the trim's tolerance, so the
     angle is known to about half a degree.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of thrust_vectoring
+    title : str
+        headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
     """
     cases = list(trimmed.groupby("case", sort=False))
     figure, axes = subplots(
@@ -211,7 +230,20 @@ def thrust_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, st
     "requested_altitude_ft requested_speed_kcas requested_gamma_deg throttle_norm pitch_trim_norm",
 )
 def climb_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
-    """Throttle and pitch trim of a steady climb against altitude, in two panels."""
+    """Throttle and pitch trim of a steady climb against altitude, in two panels.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of climb_schedule or a trim_sweep over altitude
+    title : str
+        headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
+    """
     from matplotlib.ticker import MaxNLocator
 
     figure, axes = subplots(1, 2, figsize=(8, 3.8), layout="constrained")
@@ -231,6 +263,18 @@ def modes_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str
     """Frequency and damping ratio of the oscillations, and the real poles, against airspeed.
 
     One column of panels for each aircraft.
+
+    Parameters
+    ----------
+    table : DataFrame
+        of modes_over_speed
+    title : str
+        headline
+
+    Raises
+    ------
+    ParameterError
+        if the table lacks a column, or no point of it trims
     """
     flown = list(trimmed.groupby("aircraft", sort=False))
     figure, axes = subplots(
