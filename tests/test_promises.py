@@ -60,7 +60,8 @@ def test_ports_are_numbered_in_their_order(name):
 def named(name):
     """A public thing by its module's name and its own, or None."""
     module, _, own = name.rpartition(".")
-    return getattr(importlib.import_module(f"{package.__name__}.{module}".rstrip(".")), own, None)
+    place = importlib.import_module(f"{package.__name__}.{module}".rstrip("."))
+    return getattr(place, own, None) if own in getattr(place, "__all__", [own]) else None
 
 
 def options(command, capsys):

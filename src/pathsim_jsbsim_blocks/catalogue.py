@@ -15,6 +15,15 @@ from typing import Any
 
 from ._core.checks import as_path, did_you_mean, mapping, must_be, nearest, refuse
 
+__all__ = [
+    "diagram_folder",
+    "diagram_groups",
+    "diagram_names",
+    "diagram_notebook",
+    "find_diagram",
+    "load_diagram",
+]
+
 
 def diagram_folder() -> Path:
     """The root of the catalogue; `find_diagram` gives the script in one of its folders.

@@ -8,7 +8,7 @@ from typing import Any
 from ._core.function import NamedFunction
 from ._core.units import conversion, convert
 
-__all__ = ["UnitConversion", "conversion", "convert"]
+__all__ = ["UnitConversion", "convert"]
 
 
 @dataclass(eq=False, repr=False)

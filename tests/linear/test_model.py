@@ -21,7 +21,8 @@ from pathsim_jsbsim_blocks import (
     TrimCondition,
 )
 from pathsim_jsbsim_blocks.flight import linear_model
-from pathsim_jsbsim_blocks.linear import LinearModel, LinearModelBlock
+from pathsim_jsbsim_blocks.linear import LinearModel
+from pathsim_jsbsim_blocks.linear.block import LinearModelBlock
 from pathsim_jsbsim_blocks.linear.identification import _coordinates, realise
 
 # what each input is for

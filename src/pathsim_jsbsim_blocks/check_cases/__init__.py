@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from .comparison import CASES, Deviation, compare, comparison_figure, comparison_table, fly_case
+from .comparison import CASES, compare, comparison_figure, comparison_table, fly_case
 
 # a JSBSim root directory with the vehicles: `root` of Aircraft, `JSBSim_path` of JSBSimFDM
 MODELS = str(Path(__file__).resolve().parent / "models")
@@ -10,7 +10,6 @@ MODELS = str(Path(__file__).resolve().parent / "models")
 __all__ = [
     "CASES",
     "MODELS",
-    "Deviation",
     "compare",
     "comparison_figure",
     "comparison_table",

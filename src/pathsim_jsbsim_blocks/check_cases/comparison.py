@@ -173,7 +173,9 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
     Returns
     -------
     list of Deviation
-        one for each quantity
+        one for each ``quantity``, with its ``unit``: ``worst``, the largest distance from the
+        median of the simulators, and their ``band``; ``from_05`` and ``limit_05``, the distance
+        from simulator 05 and its limit, or None; ``passes``; ``until``, the last time compared
 
     Raises
     ------

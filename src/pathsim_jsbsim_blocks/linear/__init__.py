@@ -1,6 +1,5 @@
 """Linear models of a trimmed aircraft: matrices with names, modes, flying qualities, figures."""
 
-from .block import LinearModelBlock
 from .charts import bode, pole_map, root_locus, step_response
 from .model import LinearModel
 from .modes import Mode
@@ -8,7 +7,6 @@ from .qualities import Quality, flying_qualities
 
 __all__ = [
     "LinearModel",
-    "LinearModelBlock",
     "Mode",
     "Quality",
     "bode",
