@@ -51,7 +51,7 @@ FEW = ("737", "c172p", "Concorde", "f16", "fokker100", "J3Cub", "L17", "pa28")
 GOVERNED = ("Boeing314", "DHC6", "c182", "c310", "pa28")
 
 NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
-    "ah1s": "no convergence",
+    "ah1s": "rotorcraft",
     "B17": "thrust",
     "ball": "thrust",
     "ballx": "thrust",
@@ -59,10 +59,10 @@ NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
     "C130": "no convergence",
     "dr1": "no convergence",
     "f22": "no convergence",
-    "F450": "engine",
+    "F450": "no effect",
     "fokker50": "thrust",
-    "J246": "no convergence",
-    "L410": "no convergence",
+    "J246": "no effect",
+    "L410": "no effect",
     "minisgs": "thrust",
     "mk82": "thrust",
     "p51d": "engine",
@@ -79,14 +79,14 @@ NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
     "wrightFlyer1903": "thrust",
     "X15": "no convergence",
     "x24b": "no convergence",
-    "ZLT-NT": "engine",
+    "ZLT-NT": "no effect",
 }
 
 # trimmed by the Newton search only: the mode, KCAS
 BY_NEWTON = {
     "B17": ("glide", 166),
     "C130": ("glide", 163),
-    "dr1": ("full", 48),
+    "dr1": ("full", 59),
     "fokker50": ("glide", 177),
     "p51d": ("glide", 160),
     "pc7": ("full", 136),

@@ -104,8 +104,11 @@ class TrimError(BlocksError, RuntimeError):
     reason : str
         what ran to the end of its range: "thrust", "alpha limit", "elevator", "aileron", "rudder",
         "bank", "sideslip", "path angle" or "speed", on the ground "height", "pitch angle" or
-        "bank"; "ground" in flight that touches it; "no equilibrium" if it does not stay; or "no
-        convergence"
+        "bank"; "ground" in flight that touches it; "mach" (propellers); "no equilibrium" if it does
+        not stay; or "no convergence". Of engines: "fuel" (empty tanks), "fuel valve" (fuel that the
+        model does not let them have), "mixture", "engine" (does not run for another reason) or
+        "propeller" (does not settle). Of the model: "no effect" (of a command), "rotorcraft", or
+        "aerodynamics" (it has none)
     residuals : dict[str, float]
         accelerations in ft/s2 and rad/s2: without trim, or the best that the Newton search reached
     nearest : TrimCondition or None
@@ -114,6 +117,14 @@ class TrimError(BlocksError, RuntimeError):
     limit : float or None
         the value at which it ran out (command, deg, ft/s), if a Newton search has ended there;
         with ``trim(..., hint=True)`` one follows a failure of JSBSim's search
+    engines : list[int]
+        engines that give no thrust
+    command : str
+        command without effect: "throttle", "pitch", "roll" or "yaw"
+    properties : dict[str, float]
+        what is concerned, with values: of the tanks without fuel what they hold, of tanks that are
+        shut their priority, of a mixture the one with which the engines run, of a command what it
+        is after being set
     """
 
     def __init__(
@@ -126,6 +137,9 @@ class TrimError(BlocksError, RuntimeError):
         residuals: Mapping[str, float],
         nearest: Any = None,
         limit: float | None = None,
+        engines: Sequence[int] = (),
+        command: str = "",
+        properties: Mapping[str, float] | None = None,
     ):
         super().__init__(message)
         self.aircraft = aircraft
@@ -134,6 +148,9 @@ class TrimError(BlocksError, RuntimeError):
         self.residuals = dict(residuals)
         self.nearest = nearest
         self.limit = limit
+        self.engines = list(engines)
+        self.command = command
+        self.properties = dict(properties or {})
 
 
 class LinearisationError(BlocksError, RuntimeError):

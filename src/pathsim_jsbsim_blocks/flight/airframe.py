@@ -22,14 +22,15 @@ import jsbsim
 from .._core.checks import did_you_mean, flag, mapping, number, optional, positive, refuse
 from ..errors import AircraftError
 from .console import SEALED_PATH, capture_console, failure_of, never_free
+from .engines import Engine, engines_of
 from .flightgear import address, directive
 from .integrators import INTEGRATORS, integrator_properties
 from .model_files import ModelFile
 from .planet import gravity_properties, planet_xml
 from .property_tree import PropertyTree
+from .writable import ENGINE_RUNS
 
 _TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
-ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running$")
 _MIXTURE = re.compile(r"fcs/mixture-cmd-norm(\[\d+\])?$")
 # how JSBSim names an output that goes to a socket
 _SOCKET = re.compile(r":\d+/(TCP|UDP)$")
@@ -122,6 +123,7 @@ class Airframe(PropertyTree):
             self._equations |= gravity_properties(gravity)
         self._written: dict[str, float] = {}
         self.stopped: frozenset[int] = frozenset()
+        self._engine_list: tuple[Engine, ...] | None = None
         self._open()
 
     def renew(self) -> None:
@@ -176,7 +178,6 @@ class Airframe(PropertyTree):
             self.fdm[name] = value
         self._open_tree()
         self._of_engines: dict[str, list[str]] = {}
-        self._feeds: list[list[int]] | None = None
         self._choose_outputs()
         self._create()
 
@@ -258,31 +259,71 @@ class Airframe(PropertyTree):
         names = map("propulsion/tank[{}]/contents-lbs".format, itertools.count())
         return list(itertools.takewhile(self.has, names))
 
+    @property
+    def engine_list(self) -> tuple[Engine, ...]:
+        """The engines by what they are, as the model's files say."""
+        if self._engine_list is None:
+            self._engine_list = engines_of(self._file.path, self.engines)
+        return self._engine_list
+
+    def has_kind(self, *kinds: str) -> bool:
+        """Whether an engine or a thruster is of one of these kinds."""
+        return any({engine.type, engine.thruster} & {*kinds} for engine in self.engine_list)
+
+    def fuel_of(self, engine: Engine) -> float:
+        """The usable fuel in those of the tanks feeding an engine that are open, lb."""
+        fdm, usable = self.fdm, 0.0
+        for path in map("propulsion/tank[{}]".format, engine.tanks):
+            # models shut a tank by a priority of 0
+            if fdm[f"{path}/priority"] > 0.0:
+                rest = fdm[f"{path}/unusable-volume-gal"] * fdm[f"{path}/density-lbs_per_gal"]
+                usable += max(fdm[f"{path}/contents-lbs"] - rest, 0.0)
+        return usable
+
+    def burning(self) -> list[Engine]:
+        """Engines that burn fuel from tanks and are not stopped."""
+        burning = [engine for engine in self.engine_list if engine.burns and engine.tanks]
+        return [engine for engine in burning if engine.number not in self.stopped]
+
+    def fuel(self) -> list[float]:
+        """Usable fuel of each engine that burns it, lb."""
+        return [self.fuel_of(engine) for engine in self.burning()]
+
+    def without_fuel(self) -> list[Engine]:
+        """Engines that are not stopped, while no tank gives them the fuel they burn."""
+        return [engine for engine in self.burning() if self.fuel_of(engine) <= 0.0]
+
+    def marks(self) -> dict[int, bool]:
+        """Whether each engine runs, of those that JSBSim marks as running or stopped."""
+        runs = "propulsion/engine[{}]/set-running".format
+        return {e.number: bool(self.fdm[runs(e.number)]) for e in self.engine_list if e.is_marked}
+
+    def not_running(self) -> list[int]:
+        """Engines that are not stopped and do not run, of those that JSBSim marks."""
+        return [i for i, runs in self.marks().items() if not runs and i not in self.stopped]
+
     def starved(self) -> list[int]:
-        """Engines that have stopped while all the tanks that feed them are empty."""
-        running = enumerate(self.of_engines("set-running"))
-        stopped = [i for i, name in running if i not in self.stopped and not self.reader(name)()]
-        if not stopped:
+        """Engines that have stopped while no tank gives them fuel."""
+        marks = self.marks()
+        if all(marks.values()) and not self.has_kind("rocket"):
             return []
-        if self._feeds is None:
-            self._feeds = self._file.feeds()
-        feeds = dict(enumerate(self._feeds))
-        return [i for i in stopped if feeds.get(i) and all(map(self._is_empty, feeds[i]))]
+        return [e.number for e in self.without_fuel() if not marks.get(e.number)]
 
-    def not_running(self) -> str:
-        """Numbers of the engines with propellers that are meant to run and do not."""
-        still = []
-        for name in self.of_engines("propeller-rpm"):
-            i = int(name.split("[")[1].split("]")[0])
-            runs = f"propulsion/engine[{i}]/set-running"
-            if i not in self.stopped and self.has(runs) and not self.fdm[runs]:
-                still.append(str(i))
-        return ", ".join(still)
+    def freeze_fuel(self, frozen: bool = True) -> None:
+        """Let no engine burn fuel or starve; or else leave fuel as `write` has set it."""
+        name = "propulsion/fuel_freeze"
+        if self.engines:
+            # it cannot be read
+            self.fdm[name] = 1.0 if frozen else self._written.get(name, 0.0)
 
-    def _is_empty(self, tank: int) -> bool:
-        fdm, path = self.fdm, f"propulsion/tank[{tank}]/"
-        unusable = fdm[f"{path}unusable-volume-gal"] * fdm[f"{path}density-lbs_per_gal"]
-        return fdm[f"{path}contents-lbs"] <= unusable
+    @contextlib.contextmanager
+    def fuel_frozen(self) -> Iterator[None]:
+        """Context with `freeze_fuel`."""
+        try:
+            self.freeze_fuel()
+            yield
+        finally:
+            self.freeze_fuel(False)
 
     def start_engines(self) -> None:
         """Start the engines, but stop those in `stopped`."""
@@ -300,14 +341,22 @@ class Airframe(PropertyTree):
 
     def _stop_engine(self, i: int) -> None:
         """Stop an engine so that the wind does not start it again: no ignition, no fuel."""
+        self._command(i, {"magneto_cmd": 0.0, "cutoff_cmd": 1.0})
+        self.fdm[f"propulsion/engine[{i}]/set-running"] = 0.0
+
+    def crank(self, i: int, starter: bool) -> None:
+        """Switch the ignition of an engine on, and its starter on or off."""
+        self._command(i, {"magneto_cmd": 3.0, "starter_cmd": float(starter)})
+
+    def _command(self, i: int, commands: Mapping[str, float]) -> None:
+        """Write commands of the engines for one of them, as far as its type has them."""
         fdm = self.fdm
         before = fdm["propulsion/active_engine"]
         fdm["propulsion/active_engine"] = i
-        for command, off in (("magneto_cmd", 0.0), ("cutoff_cmd", 1.0)):
+        for command, value in commands.items():
             if self.has(f"propulsion/{command}"):
-                fdm[f"propulsion/{command}"] = off
+                fdm[f"propulsion/{command}"] = value
         fdm["propulsion/active_engine"] = before
-        fdm[f"propulsion/engine[{i}]/set-running"] = 0.0
 
     @contextlib.contextmanager
     def governors_off(self) -> Iterator[None]:
@@ -397,7 +446,7 @@ class Airframe(PropertyTree):
                 why = f"{what}[{name!r}] is {values[name]!r}, but this tank of {self.aircraft!r} "
                 refuse(what, values[name], f"{why}holds {full:.6g} lb")
         for name, value in values.items():
-            if value == 0.0 and (engine := ENGINE_RUNS.match(name)):
+            if value == 0.0 and (engine := ENGINE_RUNS.fullmatch(name)):
                 self._stop_engine(int(engine[1] or 0))
             # in the order of the last writes, which `renew` repeats
             self._written.pop(name, None)

@@ -124,11 +124,6 @@ class ModelFile:
             )
         return location, _INCHES[unit]
 
-    def feeds(self) -> list[list[int]]:
-        """Numbers of the tanks that feed each engine."""
-        engines = self.parsed().iterfind("propulsion/engine")
-        return [[int(feed.text or 0) for feed in engine.iterfind("feed")] for engine in engines]
-
     @contextlib.contextmanager
     def staged(self, x: float) -> Iterator[str]:
         """Context with an aircraft path to a copy of the model: empty-weight CG at ``x``, in."""

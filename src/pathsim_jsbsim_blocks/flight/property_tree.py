@@ -11,6 +11,7 @@ import jsbsim
 
 from .._core.checks import did_you_mean, must_be, nearest
 from ..errors import PropertyError
+from .engines import Engine
 from .writable import Check, value_check, why_not
 
 
@@ -32,6 +33,10 @@ class PropertyTree:
     @property
     def engines(self) -> int:
         return self.fdm.get_propulsion().get_num_engines()
+
+    @property
+    def engine_list(self) -> Sequence[Engine]:
+        raise NotImplementedError
 
     def property_error(self, name: str, message: str, close: Sequence[str] = ()) -> PropertyError:
         """The error of a property, with the nearest right ones."""
@@ -134,7 +139,7 @@ class PropertyTree:
         if not isinstance(name, str) or (name, way) not in self._nodes:
             node, check = self._usable(name, way), None
             if way == "w":
-                check = value_check(self._path(node), self.aircraft, self.engines)
+                check = value_check(self._path(node), self.aircraft, lambda: self.engine_list)
             self._nodes[name, way] = node, check
         return self._nodes[name, way]
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from .._core.checks import number, refuse
 from ..errors import PropertyError
+from .engines import Engine
 from .integrators import INTEGRATORS
 from .planet import GRAVITY
 
@@ -35,6 +36,7 @@ _INJECTION = re.compile(r"(propulsion/engine(?:\[\d+\])?)/injection_cmd")
 _STATES = re.compile(r"position/(h-(sl|agl)-(ft|meters|km)|(lat|long)-gc-(deg|rad))")
 
 _RUN_ENGINES = "propulsion/set-running"
+ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running")
 
 _RANGES = {  # property: lowest and highest value
     r"inertia/pointmass-weight-lbs(\[\d+\])?": (0.0, math.inf),
@@ -77,15 +79,25 @@ def why_no_input(name: str) -> str:
     return ""
 
 
-def value_check(name: str, aircraft: str, engines: int) -> Check | None:
+def value_check(
+    name: str, aircraft: str, engine_list: Callable[[], Sequence[Engine]]
+) -> Check | None:
     """What refuses values of a property; None for a property of which JSBSim takes any."""
     for pattern, (low, high) in _RANGES.items():
         if re.fullmatch(pattern, name):
             return lambda label, value: number(label, value, low=low, high=high)
     if name in _NUMBERED:
         return lambda label, value: _check_numbered(label, value, _NUMBERED[name])
+    if name == _RUN_ENGINES:
+        return _started(name, aircraft, len(engine_list()))
+    running = ENGINE_RUNS.fullmatch(name)
+    if running and (engine := engine_list()[int(running[1] or 0)]).follows_throttle:
+        return _not_stopped(name, aircraft, engine)
+    return None
 
-    def check_engine(label: str, value: float) -> None:
+
+def _started(name: str, aircraft: str, engines: int) -> Check:
+    def check(label: str, value: float) -> None:
         if value not in range(-1, engines):
             known = f"the engines 0 to {engines - 1}, and -1 starts them all" if engines else "none"
             why = f"{label} cannot be {value:g}: aircraft {aircraft!r} has {known}; engines_off of "
@@ -93,7 +105,24 @@ def value_check(name: str, aircraft: str, engines: int) -> Check | None:
                 f"{why}the trim condition stops engines", aircraft=aircraft, name=name
             )
 
-    return check_engine if name == _RUN_ENGINES else None
+    return check
+
+
+def _not_stopped(name: str, aircraft: str, engine: Engine) -> Check:
+    def check(label: str, value: float) -> None:
+        if not value:
+            why = f"{label} of aircraft {aircraft!r} cannot be 0: {cannot_stop(engine)}"
+            refuse(name, value, why)
+
+    return check
+
+
+def cannot_stop(engine: Engine) -> str:
+    """Why an engine that follows its throttle cannot be stopped."""
+    return (
+        f"engine {engine.number} is {engine.type}, and JSBSim gives it the power of its throttle, "
+        f"running or not; fcs/throttle-cmd-norm[{engine.number}] of 0 is what stops it"
+    )
 
 
 def _check_numbered(label: str, value: float, numbers: Mapping[str, int]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,9 @@ _MAX_ACCELERATION = {"vdot": 0.1, "pdot": 0.02, "qdot": 0.02, "rdot": 0.02}
 
 # of a surface's travel or of the weight in thrust: what is named as the cause moves by more
 _SMALL_MOTION = 0.01
+
+# s, in which no engine may run out of fuel
+FED = 1.0
 
 # s, for which a trim is to hold, and within which bounds
 LONG = 5.0
@@ -48,6 +52,8 @@ class HandsOff(NamedTuple):
     # how it leaves its path within 5 s; empty if it does not
     leaves: str
     drift: Drift
+    # engines that have run out of fuel within 1 s
+    starved: list[int]
 
 
 def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsOff:
@@ -60,14 +66,19 @@ def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsO
     rates = fdm[property_of("hdot")], math.degrees(fdm["velocities/psidot-rad_sec"])
     names = [*_ACCELERATIONS, *_PATH.values(), STATE["speed"]]
     read, run, dt = airframe.reader_of(names), fdm.run, airframe.dt
-    rows, moved = [read()], first
-    for step in range(1, max(round(duration / dt), 1) + 1):
+    rows, moved, starved = [read()], first, list[int]()
+    fuel = airframe.fuel()
+    step, few, last = 0, max(round(SHORT / dt), 1) + 1, max(round(duration / dt), 1)
+    while step < last:
+        step += 1
         run()
         rows.append(read())
-        if step == max(round(SHORT / dt), 1):
+        if step == few - 1:
             moved = watched()
+            last = max(last, round(FED / dt) if _drains(fuel, airframe.fuel()) else 0)
+        if step == round(FED / dt):
+            starved = airframe.starved()
     flight = np.array(rows).T
-    few = max(round(SHORT / dt), 1) + 1
     moves = _what_moves(condition, flight[:4, :few], dt)
     if moves:
         moves += _culprit(parts, first, moved, fdm[STATE["weight"]])
@@ -75,7 +86,13 @@ def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsO
     long = round(LONG / dt) + 1
     height, _, _, bank, _ = (float(x) for x in off[:, -1])
     drift = Drift(duration, height, float(flight[-1, -1] - flight[-1, 0]), bank)
-    return HandsOff(moves, _what_leaves(off[:, :long]), drift)
+    return HandsOff(moves, _what_leaves(off[:, :long]), drift, starved)
+
+
+def _drains(before: Sequence[float], after: Sequence[float]) -> bool:
+    """Whether an engine that burns fuel as in the first flight is out of it in four times that."""
+    times = FED / SHORT - 1.0
+    return any(b < times * (a - b) or b <= 0.0 for a, b in zip(before, after, strict=True))
 
 
 def _what_moves(condition: TrimCondition, flight: np.ndarray, dt: float) -> str:

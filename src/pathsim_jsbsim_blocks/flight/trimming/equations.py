@@ -84,6 +84,14 @@ _SPINS = 5
 # rows with blades that no governor moves: engines that settle then need 3
 _ROWS_AT_FIXED_PITCH = 10
 
+# a limiter of the torque opens and closes without end: rows that show it, and the relative change
+# per row up to which the propellers have settled all the same
+_ROWS_OF_A_ROUND = 12
+_ROUND = 1e-4
+
+# s, in which a starter has an engine running if it ever does (p51d: 0.3)
+_CRANKING = 2.0
+
 
 class Effort:
     """What all searches of one trim have taken together, in steps of JSBSim, roughly.
@@ -205,6 +213,8 @@ class SteadyFlight:
         self._settled_at: float | None = None
         # JSBSim's own settling, in steps of 0.5 s, ends beside the equilibrium of fast propellers
         self.leaps = True
+        # whether they have settled, as far as tried
+        self.has_settled = True
 
     @property
     def leaves_traces(self) -> bool:
@@ -223,6 +233,31 @@ class SteadyFlight:
         self.has_memory = not size(second - first) <= _SETTLED
         if size(second - before) <= _SETTLED:
             self.without_pitch_trim()
+
+    def guess(self, alpha: float, throttle: float) -> np.ndarray:
+        """The unknowns to start from, with an alpha in deg and a throttle."""
+        x = self.start.copy()
+        x[self.names.index("alpha")] = math.radians(alpha)
+        if "throttle" in self.names:
+            x[self.names.index("throttle")] = throttle
+        return x
+
+    def value(self, x: np.ndarray, name: str) -> float:
+        """A quantity at a state, whether the search moves it or not."""
+        return float(x[self.names.index(name)]) if name in self.names else self.given[name]
+
+    def moved(self, x: np.ndarray, name: str, step: float) -> tuple[float, np.ndarray]:
+        """Residuals with a command moved to the side where it has room, and how far."""
+        if self.value(x, name) + step > _UNKNOWNS[name].high:
+            step = -step
+        y, given = x.copy(), self.given
+        if name in self.names:
+            y[self.names.index(name)] += step
+        else:
+            self.given = {**given, name: given[name] + step}
+        r = self.settled(y)
+        self.given = given
+        return step, r
 
     def settled(self, x: np.ndarray) -> np.ndarray:
         """Residuals after engines and flight control system have settled."""
@@ -334,11 +369,10 @@ class SteadyFlight:
     def _spin(self, residual: float) -> None:
         """Let the propellers settle in held flight."""
         tolerance = min(max(1e-10 * residual, 1e-10), 1e-8)
+        rows: list[list[float]] = []
+        self.has_settled = False
         with self._airframe.held():
-            if self._airframe.not_running():
-                # at a low throttle of an earlier guess they may have stopped
-                with self._airframe.governors_off():
-                    self._airframe.start_engines()
+            self._start_engines()
             self._spin_at_fixed_pitch()
             before = [read() for read in self._propellers]
             for row in range(_ROWS):
@@ -350,15 +384,44 @@ class SteadyFlight:
                     self._fdm.run()
                 self.effort.steps += _ROW
                 now = [read() for read in self._propellers]
+                rows.append(now)
                 pairs = zip(now, before, strict=True)
-                if all(abs(a - b) <= tolerance * max(abs(a), 1.0) for a, b in pairs):
+                change = max(abs(a - b) / max(abs(a), 1.0) for a, b in pairs)
+                goes_round = _goes_round(rows)
+                self.has_settled = change <= tolerance or (goes_round and change <= _ROUND)
+                if self.has_settled:
                     break
                 if self.leaps and pitch == [read() for read in self._pitches]:
                     self._spin_at_fixed_pitch()
                     again = [read() for read in self._propellers]
                     self.leaps = math.dist(again, before) > 0.01 * math.dist(now, before)
+                    # its steps keep a limiter of the torque from settling
+                    self.leaps &= not goes_round
                     now = again
                 before = now
+
+    def _start_engines(self) -> None:
+        """Start engines that have stopped, as at a low throttle of an earlier guess."""
+        airframe = self._airframe
+        if not airframe.not_running():
+            return
+        with airframe.governors_off():
+            airframe.start_engines()
+        self._spin_at_fixed_pitch()
+        pistons = [e.number for e in airframe.engine_list if e.type == "piston"]
+        still = [i for i in airframe.not_running() if i in pistons]
+        if not still or self._condition.mode == "glide":
+            return
+        # JSBSim's start takes steps of 0.5 s, in which some engines stall
+        self.leaps = False
+        for i in still:
+            airframe.crank(i, starter=True)
+        for _ in range(round(_CRANKING / airframe.dt)):
+            self._fdm.run()
+            if not airframe.not_running():
+                break
+        for i in still:
+            airframe.crank(i, starter=False)
 
     def _spin_at_fixed_pitch(self) -> None:
         """Settle the speeds at the present blade angles, many times faster than real time."""
@@ -367,6 +430,17 @@ class SteadyFlight:
         with self._airframe.governors_off():
             self._fdm.get_propulsion().get_steady_state()
         self.effort.steps += _STEADY_STATE * len(self._throttles)
+
+
+def _goes_round(rows: Sequence[list[float]]) -> bool:
+    """Whether quantities move from row to row as far as before, and get nowhere."""
+    few = np.array(rows[-_ROWS_OF_A_ROUND:])
+    if len(few) < _ROWS_OF_A_ROUND:
+        return False
+    steps = abs(np.diff(few, axis=0)).max(axis=1)
+    far = abs(few - few[0]).max(axis=1)
+    half = len(steps) // 2
+    return bool(steps[half:].max() > 0.5 * steps[:half].max() and far.max() < 0.25 * steps.sum())
 
 
 def size(r: np.ndarray) -> float:

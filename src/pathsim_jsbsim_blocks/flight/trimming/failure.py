@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from ...errors import TrimError
 from ..airframe import Airframe
@@ -35,7 +36,9 @@ def failure(
     why: str = "",
     residuals: Mapping[str, float] | None = None,
     limit: float | None = None,
+    **data: Any,
 ) -> TrimError:
+    """The error, with further data of a `TrimError`."""
     fdm = airframe.fdm
     reached = "without trim" if residuals is None else "at best"
     if residuals is None:
@@ -49,6 +52,7 @@ def failure(
         "thrust": thrust,
         "alpha limit": f"alpha ran to the end of [{alpha_min:.4g}, {alpha_max:.4g}] deg",
         "elevator": "the pitch trim ran to the end of [-1, 1]",
+        "propeller": "no control ran out, but a propeller does not settle",
         "no convergence": "no control ran out, but the search did not converge",
     }
     why = why or limits.get(reason, f"the {reason} ran to the end of its range")
@@ -63,4 +67,5 @@ def failure(
         reason=reason,
         residuals=residuals,
         limit=limit,
+        **data,
     )

@@ -12,7 +12,8 @@ from typing import Any
 
 from ..._core.aircraft_ports import property_of
 from ..._core.checks import mapping, one_of, refuse
-from ..airframe import ENGINE_RUNS, Airframe
+from ..airframe import Airframe
+from ..writable import ENGINE_RUNS, cannot_stop
 from .condition import TrimCondition
 from .state import read_state
 
@@ -80,12 +81,16 @@ def engines_off(
         why += f"the engines 0 to {len(engines) - 1}" if engines else "no engine"
         refuse("engines_off", condition.engines_off, why)
     for name, value in written.items():
-        engine = ENGINE_RUNS.match(name)
-        if engine and value == 0.0:
-            stopped = stopped | {int(engine[1] or 0)}
+        number = ENGINE_RUNS.fullmatch(name)
+        if number and value == 0.0:
+            stopped = stopped | {int(number[1] or 0)}
         elif name == "propulsion/set-running" and value >= 0.0:
             # JSBSim starts this engine only
             stopped = stopped | engines - {int(value)}
+    for engine in airframe.engine_list if stopped else ():
+        if engine.number in stopped and engine.follows_throttle:
+            why = f"engines_off={condition.engines_off!r}: {cannot_stop(engine)}"
+            refuse("engines_off", condition.engines_off, why)
     return frozenset(stopped)  # type: ignore[arg-type]
 
 
@@ -189,9 +194,7 @@ def here(
         "fuel": [fdm[name] for name in airframe.tanks],
         "latitude": fdm[property_of("lat")],
         "longitude": fdm[property_of("lon")],
-        "engines_off": [
-            i for i in range(airframe.engines) if not fdm[f"propulsion/engine[{i}]/set-running"]
-        ],
+        "engines_off": [i for i, runs in airframe.marks().items() if not runs],
         "setup": {n: v for n, v in before.items() if not _PRESENT.match(airframe.canonical(n))},
     }
     return dataclasses.replace(condition, **{**present, **changes})

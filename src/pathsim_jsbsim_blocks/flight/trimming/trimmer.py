@@ -7,26 +7,33 @@ import dataclasses
 import math
 import weakref
 from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import TrimError
 from ..airframe import Airframe
-from . import check, jsbsim
+from . import check, jsbsim, power
 from .check import HandsOff
 from .condition import TrimCondition
+from .effects import model_fault
 from .equations import Effort, SteadyFlight, size
 from .failure import LIMITS, failure
 from .initial import engines_off, initialise, is_initial, properties
 from .search import POLISHED, Reached, descend
 from .state import STATE, TrimState, not_finite, read_state
 
+_NONE: Mapping[str, float] = MappingProxyType({})
+
 # first guesses, one after the other until one leads to a trim: alpha in deg, throttle
 _GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
 
 # of the residuals, by which those of two ends at one limit may differ that count as one
 _SAME_END = 0.5
+
+# of the range of the throttle in which thrust becomes too much
+_HALVINGS = 10
 
 # times the airspeed, at which the last guess is trimmed first
 _FASTER = 1.15
@@ -110,16 +117,20 @@ class Trimmer:
         seed, self._seed = self._seed if warm else None, None
         # unusable until Newton's search succeeds
         used, self._used, self._spent = self._used, True, True
-        self._initialise(condition, setup)
-        self._refuse_impossible(condition)
-        if not by_jsbsim:
-            ways = [False, True]
-            if like is not None:
-                ways, fly = [like.in_time], 0.0
-            elif self.airframe.of_engines("itt-c"):
-                # turboprops have no power outside of steps of time
-                ways = [True]
-            return self._by_newton(condition, setup, seed, used, ways, fly)
+        try:
+            self._initialise(condition, setup)
+            self._refuse_impossible(condition)
+            if not by_jsbsim:
+                ways = [False, True]
+                if like is not None:
+                    ways, fly = [like.in_time], 0.0
+                elif self.airframe.has_kind("turboprop"):
+                    # they have no power outside of steps of time
+                    ways = [True]
+                return self._by_newton(condition, setup, seed, used, ways, fly)
+        finally:
+            if not by_jsbsim:
+                self.airframe.freeze_fuel(False)
         found = self._by_jsbsim(condition)
         if fly <= check.SHORT or condition.mode in ("none", "ground", "pull-up"):
             return found, None
@@ -142,8 +153,35 @@ class Trimmer:
             initial = {n: v for n, v in written.items() if is_initial(airframe.canonical(n))}
         airframe.write({n: v for n, v in written.items() if n not in initial}, "setup")
         airframe.stopped = engines_off(airframe, condition, written)
+        if condition.mode in ("none", "ground"):
+            self._start(airframe, condition, initial)
+        elif condition.searched_by == "jsbsim":
+            self._start(airframe, condition)
+            if airframe.without_fuel():
+                # whose search is to find the model as it is
+                other = airframe.twin()
+                other.resemble(airframe)
+                with other.fuel_frozen():
+                    self._start_with_fuel(other, condition)
+        else:
+            airframe.freeze_fuel()
+            self._start_with_fuel(airframe, condition)
+
+    def _start(
+        self, airframe: Airframe, condition: TrimCondition, initial: Mapping[str, float] = _NONE
+    ) -> None:
         with airframe.engines_stopped():
             initialise(airframe, condition, condition.heading, initial)
+
+    def _start_with_fuel(self, airframe: Airframe, condition: TrimCondition) -> None:
+        """Initialise, and refuse engines without fuel; in a glide they do not run."""
+        self._start(airframe, condition)
+        without = power.fill(airframe)
+        if without and condition.mode != "glide":
+            raise power.no_fuel(airframe, condition, without)
+        if without:
+            airframe.stopped |= {engine.number for engine in without}
+            self._start(airframe, condition)
 
     def _refuse_impossible(self, condition: TrimCondition) -> None:
         """Raise TrimError where no search can find a trim."""
@@ -244,20 +282,22 @@ class Trimmer:
         ends: list[np.ndarray] = []
         before: Reached | None = None
         for alpha, throttle in _GUESSES:
-            reached = descend(flight, _guess(flight, alpha, throttle), slopes, known=ends)
+            reached = descend(flight, flight.guess(alpha, throttle), slopes, known=ends)
             yield reached
             if before and _at_one_limit(flight, before, reached):
                 # two searches from far apart: the others would end there too
                 break
             ends.append(reached.x)
             before, slopes = reached, reached.slopes
+        if before and (x := _within_thrust(flight, before)) is not None:
+            yield descend(flight, x)
         i = flight.names.index("alpha")
         if "speed" in flight.names or all(flight.low[i] < x[i] < flight.high[i] for x in ends):
             return
         # where lift is short, the neighbour that has more is nearer than any guess
         speed = flight.given["speed"]
         flight.given["speed"] = _FASTER * speed
-        faster = descend(flight, _guess(flight, *_GUESSES[0]))
+        faster = descend(flight, flight.guess(*_GUESSES[0]))
         flight.given["speed"] = speed
         if faster.size <= 1.0:
             yield descend(flight, faster.x, faster.slopes, known=ends)
@@ -277,10 +317,8 @@ class Trimmer:
         if airframe.fdm["forces/fbz-gear-lbs"] != 0.0:
             why = "a wheel or another contact point touches the ground"
             raise failure(airframe, condition, "ground", why)
-        still = airframe.not_running() if condition.mode != "glide" else ""
-        if still:
-            why = f"engine {still} does not run (where the mixture is too rich, lean it in setup)"
-            raise failure(airframe, condition, "engine", why, residuals)
+        if airframe.not_running() and condition.mode != "glide":
+            raise power.not_running(airframe, condition, flight, residuals)
         if not size(r) <= 1.0:
             raise self._failed(condition, flight, x, r, residuals)
         state = read_state(airframe, condition, tuple(flight.names))
@@ -291,6 +329,9 @@ class Trimmer:
         flown = None
         if fly and condition.mode != "pull-up":
             flown = self._flown(condition, flight, x, fly)
+            if flown.starved and condition.mode != "glide":
+                starved = [e for e in airframe.engine_list if e.number in flown.starved]
+                raise power.no_fuel(self._stand_in or airframe, condition, starved, residuals)
             if flown.moves:
                 raise failure(airframe, condition, "no equilibrium", flown.moves, residuals)
         self._keep(flight, reached, trimmed=True)
@@ -310,7 +351,7 @@ class Trimmer:
         """A flight of a stand-in from a trim that was found on the airframe."""
         other = self._stand_in = self._stand_in or self.airframe.twin()
         other.resemble(self.airframe)
-        with other.engines_stopped():
+        with other.fuel_frozen(), other.engines_stopped():
             initialise(other, condition, condition.heading)
             other.fdm[STATE["elevator"]] = self.airframe.fdm[STATE["elevator"]]
             there = SteadyFlight(other, condition, Effort(), flight.in_time)
@@ -319,7 +360,7 @@ class Trimmer:
             there.has_memory, there.leaps = flight.has_memory, flight.leaps
             there.hold(x)
         flown = check.fly(other, condition, fly)
-        if flown.moves or flown.leaves or fly > check.SHORT:
+        if flown.moves or flown.leaves or flown.starved or fly > check.SHORT:
             self._stand_in = None
         return flown
 
@@ -334,25 +375,44 @@ class Trimmer:
         """The error of a search that has not found a trim, and the limit at which it has ended."""
         name = binding(flight, condition, x, r)
         if not name and "throttle" in flight.names:
-            other = _at_other_end(flight, x)
-            # the search has got stuck at one end; the other would not help
-            if other is not None and flight.settled(other)[0] * r[0] > 0.0:
+            other = _at_end(flight, x, r)
+            i = flight.names.index("throttle")
+            stuck = x[i] in (flight.low[i], flight.high[i]) or abs(r[0]) == abs(r).max()
+            # more of the range would not help
+            if stuck and flight.settled(other)[0] * r[0] > 0.0:
                 name, x = "throttle", other
+        end = Reached(x, r, None)
+        if error := model_fault(self.airframe, condition, flight, end, name, residuals):
+            return error
         limit = float(x[flight.names.index(name)]) if name else None
         if name in _ANGLES:
             limit = math.degrees(limit)  # type: ignore[arg-type]
-        reason = _CAUSES.get(name, "no convergence")
+        reason = _CAUSES.get(name, "no convergence" if flight.has_settled else "propeller")
         return failure(self.airframe, condition, reason, residuals=residuals, limit=limit)
 
 
 _trimmers: weakref.WeakKeyDictionary[Airframe, Trimmer] = weakref.WeakKeyDictionary()
 
 
-def _guess(flight: SteadyFlight, alpha: float, throttle: float) -> np.ndarray:
-    x = flight.start.copy()
-    x[flight.names.index("alpha")] = math.radians(alpha)
-    if "throttle" in flight.names:
-        x[flight.names.index("throttle")] = throttle
+def _within_thrust(flight: SteadyFlight, reached: Reached) -> np.ndarray | None:
+    """The unknowns with a throttle between too much and too little thrust, if there is one.
+
+    A limiter of the torque leaves an open throttle without effect, and a search there without a
+    way back.
+    """
+    if "throttle" not in flight.names or flight.effort.over:
+        return None
+    i, too_much = flight.names.index("throttle"), reached.residuals[0] > 0.0
+    x = _at_end(flight, reached.x, reached.residuals)
+    inside, end = reached.x[i], x[i]
+    if inside == end or (flight.settled(x)[0] > 0.0) == too_much:
+        return None
+    for _ in range(_HALVINGS):
+        x[i] = 0.5 * (inside + end)
+        if (flight.settled(x)[0] > 0.0) == too_much:
+            inside = x[i]
+        else:
+            end = x[i]
     return x
 
 
@@ -364,13 +424,10 @@ def _at_one_limit(flight: SteadyFlight, one: Reached, other: Reached) -> bool:
     return bool((low | high).any() and apart < _SAME_END * np.linalg.norm(one.residuals))
 
 
-def _at_other_end(flight: SteadyFlight, x: np.ndarray) -> np.ndarray | None:
-    """The unknowns with the throttle at its other end; None if it is at neither."""
-    i = flight.names.index("throttle")
-    if flight.low[i] < x[i] < flight.high[i]:
-        return None
-    x = x.copy()
-    x[i] = flight.low[i] + flight.high[i] - x[i]
+def _at_end(flight: SteadyFlight, x: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """The unknowns with the throttle at the end that the residual along the path asks for."""
+    i, x = flight.names.index("throttle"), x.copy()
+    x[i] = (flight.low if r[0] > 0.0 else flight.high)[i]
     return x
 
 

@@ -1,0 +1,129 @@
+"""Engines of a model by what they are: JSBSim's Python has no engine objects, its XML has types."""
+
+from __future__ import annotations
+
+import functools
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import NamedTuple
+
+# root elements of engine files, and what they are
+_TYPES = {
+    "piston_engine": "piston",
+    "turbine_engine": "turbine",
+    "turboprop_engine": "turboprop",
+    "rocket_engine": "rocket",
+    "electric_engine": "electric",
+    "brushless_dc_motor": "electric",
+}
+_THRUSTERS = {name: name for name in ("propeller", "nozzle", "direct", "rotor")}
+
+# where JSBSim looks for engine files, the model's own folders first (FGPropulsion)
+_FOLDERS = ("Engines", "engines", "Engine", "engine")
+
+
+class Engine(NamedTuple):
+    """One engine of a model.
+
+    Attributes
+    ----------
+    number : int
+        its number, from 0
+    type : str
+        "piston", "turbine", "turboprop", "rocket", "electric", or "unknown" where its file cannot
+        be read
+    thruster : str
+        "propeller", "nozzle", "direct", "rotor" or "unknown"
+    tanks : tuple[int, ...]
+        numbers of the tanks that feed it
+    """
+
+    number: int
+    type: str
+    thruster: str
+    tanks: tuple[int, ...]
+
+    @property
+    def burns(self) -> bool:
+        """Whether it needs fuel."""
+        return self.type in ("piston", "turbine", "turboprop", "rocket")
+
+    @property
+    def is_marked(self) -> bool:
+        """Whether JSBSim marks it as running, ``propulsion/engine[i]/set-running``, or stopped."""
+        return self.type in ("piston", "turbine", "turboprop")
+
+    @property
+    def follows_throttle(self) -> bool:
+        """Whether it has power whenever its throttle is open, which nothing else can stop."""
+        return self.type in ("electric", "rocket")
+
+
+class _Part(NamedTuple):
+    """An engine or a thruster as an element: the elements in it, and the file it names."""
+
+    tags: tuple[str, ...]
+    file: str | None
+
+    @classmethod
+    def of(cls, element: ET.Element | None) -> _Part:
+        if element is None:
+            return cls((), None)
+        return cls(tuple(child.tag for child in element), element.get("file"))
+
+
+def engines_of(model: Path, number: int) -> tuple[Engine, ...]:
+    """The engines of the model of a file, of which JSBSim has loaded so many."""
+    try:
+        parts, file = _parts(model, model.stat().st_mtime_ns)
+        if file:
+            other = _with_suffix(model.parent / file)
+            parts, _ = _parts(other, other.stat().st_mtime_ns)
+        engines = [
+            Engine(i, _kind(model, engine, _TYPES), _kind(model, thruster, _THRUSTERS), tanks)
+            for i, (engine, thruster, tanks) in enumerate(parts)
+        ]
+    except (ET.ParseError, ValueError, LookupError, OSError):
+        engines = []  # JSBSim has read what Python cannot
+    if len(engines) != number:
+        engines = [Engine(i, "unknown", "unknown", ()) for i in range(number)]
+    return tuple(engines)
+
+
+# by the time of change: many aircraft of one model are loaded
+@functools.lru_cache(maxsize=128)
+def _parts(path: Path, changed: int) -> tuple[list[tuple[_Part, _Part, tuple[int, ...]]], str]:
+    """Engine, thruster and tanks of each engine in a file, or else the file of its propulsion."""
+    root = ET.parse(path).getroot()
+    propulsion = root if root.tag == "propulsion" else root.find("propulsion")
+    if propulsion is None:
+        return [], ""
+    tanks, parts = len(propulsion.findall("tank")), []
+    for element in propulsion.findall("engine"):
+        feeds = (int(float(feed.text or 0)) for feed in element.findall("feed"))
+        of = tuple(tank for tank in feeds if 0 <= tank < tanks)
+        parts.append((_Part.of(element), _Part.of(element.find("thruster")), of))
+    return parts, propulsion.get("file", "")
+
+
+def _kind(model: Path, part: _Part, kinds: dict[str, str]) -> str:
+    """What an engine or thruster is, by an element in it or by the root of its file."""
+    tags = part.tags
+    if part.file:
+        folders = *(model.parent / folder for folder in _FOLDERS), model.parents[2] / "engine"
+        paths = (_with_suffix(folder / part.file) for folder in folders)
+        if file := next(filter(Path.is_file, paths), None):
+            tags = *tags, _tag(file, file.stat().st_mtime_ns)
+    return next((kinds[tag] for tag in tags if tag in kinds), "unknown")
+
+
+@functools.lru_cache(maxsize=256)
+def _tag(path: Path, changed: int) -> str:
+    """The name of a file's root element."""
+    with path.open("rb") as file:
+        _, root = next(iter(ET.iterparse(file, events=("start",))))
+    return str(root.tag)
+
+
+def _with_suffix(path: Path) -> Path:
+    return path if path.suffix == ".xml" else path.with_name(f"{path.name}.xml")

@@ -1,0 +1,326 @@
+"""Engines of models from outside: what they are, whether they have fuel, why they do not run."""
+
+import dataclasses
+import math
+import re
+
+import jsbsim
+import models_from_outside as outside
+import numpy as np
+import pytest
+
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    FlightError,
+    JSBSimFDM,
+    ParameterError,
+    TrimCondition,
+    TrimError,
+)
+from pathsim_jsbsim_blocks.flight import Airframe, trim
+from pathsim_jsbsim_blocks.flight.trimming.effects import command_effects
+
+SINGLE = {"altitude": 5000, "speed": 90}
+TWIN = {"altitude": 5000, "speed": 110, "gear": 0}
+
+
+@pytest.fixture
+def single(tmp_path):
+    return outside.electric_single(tmp_path)
+
+
+@pytest.fixture
+def twin(tmp_path):
+    return outside.electric_twin(tmp_path)
+
+
+def refused(root, aircraft="c172x", **condition):
+    """The error of a trim that is not found."""
+    airframe = Airframe(aircraft, root=root)
+    with pytest.raises(TrimError) as error:
+        trim(airframe, TrimCondition(**{**SINGLE, **condition}))
+    return error.value
+
+
+def system(output, value):
+    """A system of a model that writes a property in each step."""
+    return f"""<system name="own"><property value="{value}">own/value</property>
+    <channel name="own"><pure_gain name="own/gain"><input>own/value</input><gain>1</gain>
+    <output>{output}</output></pure_gain></channel></system>"""
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "types", "thrusters"),
+    [
+        ("c172p", "piston", "propeller"),
+        ("737", "turbine", "direct"),
+        ("DHC6", "turboprop", "propeller"),  # in its own folder Engines
+        ("X15", "rocket", "nozzle"),
+        ("F450", "electric", "propeller"),  # propulsion in a file of its own, brushless motors
+        ("ah1s", "electric", "rotor"),
+        ("C130", "turbine", "propeller"),
+    ],
+)
+def test_engines_are_known_by_their_files(aircraft, types, thrusters):
+    engines = Airframe(aircraft).engine_list
+    assert {engine.type for engine in engines} == {types}
+    assert {engine.thruster for engine in engines} == {thrusters}
+    assert [engine.number for engine in engines] == list(range(len(engines)))
+
+
+def test_a_file_that_python_cannot_read_is_no_error(tmp_path):
+    root = outside.changed(tmp_path, "c172p")
+    airframe = Airframe("c172p", root=root)
+    (tmp_path / "aircraft/c172p/c172p.xml").write_text("<no", encoding="utf-8")
+    assert [engine.type for engine in airframe.engine_list] == ["unknown"]
+
+
+def test_an_engine_file_that_has_changed_is_read_again(tmp_path):
+    root = outside.changed(tmp_path, "c172x")
+    assert Airframe("c172x", root=root).engine_list[0].type == "piston"
+    outside.electric_single(tmp_path)
+    assert Airframe("c172x", root=root).engine_list[0].type == "electric"
+
+
+@pytest.mark.parametrize("aircraft", ["c172x", "c310"])
+def test_electric_motors_trim_and_stay(tmp_path, aircraft):
+    make, condition = {
+        "c172x": (outside.electric_single, SINGLE),
+        "c310": (outside.electric_twin, TWIN),
+    }[aircraft]
+    airframe = Airframe(aircraft, root=make(tmp_path))
+    state = trim(airframe, TrimCondition(**condition), fly=10.0)
+    assert 0.1 < min(state.throttle) == max(state.throttle) < 1.0
+    assert abs(state.drift.height) < 1.0  # ft
+    # power is throttle times that of the motor; JSBSim's propeller takes it all
+    watts = {"c172x": 120_000.0, "c310": 180_000.0}[aircraft]
+    for name in airframe.of_engines("power-hp"):
+        assert airframe.fdm[name] == pytest.approx(state.throttle[0] * watts / 745.7, rel=1e-6)
+
+
+def test_a_motor_trims_as_a_plain_loop_holds_it(single):
+    state = trim(Airframe("c172x", root=single), TrimCondition(**SINGLE))
+    fdm = jsbsim.FGFDMExec(single)
+    fdm.disable_input()
+    fdm.set_output_path("/dev/null/none")
+    fdm.load_model("c172x")
+    fdm.disable_output()
+    fdm["ic/h-sl-ft"], fdm["ic/vc-kts"] = SINGLE["altitude"], SINGLE["speed"]
+    fdm["ic/alpha-deg"], fdm["ic/theta-deg"], fdm["ic/phi-deg"] = (
+        state.alpha,
+        state.theta,
+        state.phi,
+    )
+    fdm["fcs/throttle-cmd-norm"] = state.throttle[0]
+    for name in ("pitch-trim", "aileron", "rudder"):
+        fdm[f"fcs/{name}-cmd-norm"] = getattr(state, name.replace("-", "_"))
+    fdm.run_ic()
+    # the propeller of a fresh model stands still: it takes a few seconds to turn as in the trim
+    fdm["propulsion/set-running"] = -1
+    fdm["fcs/throttle-cmd-norm"] = state.throttle[0]
+    for _ in range(120):
+        fdm.run()
+    assert fdm["propulsion/engine/thrust-lbs"] == pytest.approx(state.thrust, rel=0.02)
+    assert fdm["velocities/vc-kts"] == pytest.approx(90.0, abs=0.5)
+
+
+def test_in_flight_a_motor_is_not_called_stopped(single):
+    plane = Aircraft("c172x", **SINGLE, root=single)
+    state = plane.trim_here()
+    assert state.condition.engines_off == ()
+    assert state.throttle == pytest.approx(plane.trim.throttle, abs=1e-6)
+
+
+@pytest.mark.parametrize("engines", [[0], [1], "all"])
+def test_a_motor_cannot_be_stopped_but_by_its_throttle(twin, engines):
+    with pytest.raises(ParameterError) as error:
+        trim(Airframe("c310", root=twin), TrimCondition(**TWIN, engines_off=engines))
+    assert error.value.parameter == "engines_off"
+    name = "propulsion/engine[1]/set-running"
+    for written in ({"setup": {name: 0}}, {"properties": {name: 0}}):
+        with pytest.raises(ParameterError):
+            Aircraft("c310", **TWIN, root=twin, **written)
+    # what a user of an earlier version wrote to have it trim
+    assert Aircraft("c310", **TWIN, root=twin, setup={name: 1}).trim.thrust > 100.0
+
+
+def test_in_flight_a_motor_cannot_be_stopped_either(twin):
+    plane = JSBSimFDM(
+        aircraft_model="c310",
+        JSBSim_path=twin,
+        condition=TrimCondition(**TWIN),
+        input_properties=["propulsion/engine[1]/set-running"],
+        output_properties=["propulsion/engine[1]/thrust-lbs"],
+    )
+    with pytest.raises(FlightError) as error:
+        plane.advance(1, [0.0])
+    assert error.value.name == "propulsion/engine[1]/set-running"
+
+
+@pytest.mark.parametrize("frozen", [0.0, 1.0])
+@pytest.mark.parametrize("solver", ["newton", "jsbsim"])
+def test_empty_tanks_are_named(frozen, solver):
+    # frozen fuel keeps JSBSim's engine running on empty tanks, with 217 lbf
+    condition = TrimCondition(
+        **SINGLE, fuel=[0, 0], setup={"propulsion/fuel_freeze": frozen}, solver=solver
+    )
+    with pytest.raises(TrimError) as error:
+        trim(Airframe("c172p"), condition)
+    assert (error.value.reason, error.value.engines) == ("fuel", [0])
+    tanks = [f"propulsion/tank[{i}]/contents-lbs" for i in (0, 1)]
+    assert error.value.properties == dict.fromkeys(tanks, 0.0)
+
+
+def test_tanks_without_contents_are_named_and_filled_they_fly(tmp_path):
+    root = outside.without_contents(tmp_path)
+    error = refused(root)
+    assert (error.reason, error.engines) == ("fuel", [0])
+    full = dict.fromkeys(error.properties, 50.0)
+    assert trim(Airframe("c172x", root=root), TrimCondition(**SINGLE, setup=full)).throttle[0] < 1
+
+
+def test_one_engine_without_fuel_is_named_and_can_be_left_out():
+    # engine 0 is fed by tanks 0 and 2, engine 1 by 1 and 2
+    dry = {"altitude": 10_000, "speed": 250, "gear": 0, "fuel": {1: 0.0, 2: 0.0}}
+    with pytest.raises(TrimError) as error:
+        trim(Airframe("737"), TrimCondition(**dry))
+    assert (error.value.reason, error.value.engines) == ("fuel", [1])
+    assert trim(Airframe("737"), TrimCondition(**dry, engines_off=[1])).thrust > 0.0
+
+
+def test_a_glide_needs_no_fuel():
+    airframe = Airframe("c172p")
+    state = trim(airframe, TrimCondition(altitude=5000, speed=70, mode="glide", fuel=[0, 0]))
+    assert airframe.stopped == {0}
+    assert state.thrust <= 0.0
+    assert state.gamma < -4.0
+
+
+def test_a_valve_that_the_model_shuts_is_named(tmp_path):
+    shut = "".join(system(f"propulsion/tank[{i}]/priority", 0) for i in (0, 1))
+    shut = shut.replace('name="own"', 'name="own{}"').replace("own/", "own{}/")
+    parts = re.split("(?=<system)", shut)
+    text = "".join(part.replace("{}", str(i)) for i, part in enumerate(parts))
+    error = refused(outside.changed(tmp_path, "c172x", outside.before("aerodynamics", text)))
+    assert (error.reason, error.engines) == ("fuel valve", [0])
+    assert error.properties == {f"propulsion/tank[{i}]/priority": 0.0 for i in (0, 1)}
+
+
+@pytest.mark.parametrize(
+    ("mixture", "altitude"), [(1.0, 10_000), (0.3, 2000)], ids=["too rich", "too lean"]
+)
+def test_a_mixture_is_named_with_one_that_runs(mixture, altitude):
+    setup = {"fcs/mixture-cmd-norm[0]": mixture}
+    condition = TrimCondition(altitude=altitude, speed=80, setup=setup)
+    with pytest.raises(TrimError) as error:
+        trim(Airframe("c182"), condition, hint=False)
+    assert (error.value.reason, error.value.engines) == ("mixture", [0])
+    assert set(error.value.properties) == set(setup)
+    trim(Airframe("c182"), dataclasses.replace(condition, setup=error.value.properties))
+
+
+def test_ignition_that_the_model_cuts_is_not_called_a_mixture(tmp_path):
+    text = system("propulsion/magneto_cmd", 0)
+    error = refused(outside.changed(tmp_path, "c172x", outside.before("aerodynamics", text)))
+    assert (error.reason, error.engines) == ("engine", [0])
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "condition"),
+    [
+        # pumps of its own fill the tanks of its engines
+        ("Short_S23", {"altitude": 5000, "speed": 130}),
+        ("Short_S23", {"altitude": 5000, "speed": 110}),
+        ("Short_S23", {"altitude": 2000, "speed": 150}),
+        # beside the limit of their torque
+        ("DHC6", {"altitude": 2400, "speed": 141, "mode": "turn", "bank": 32}),
+        ("DHC6", {"altitude": 2000, "speed": 118, "gamma": 3.3}),
+    ],
+)
+def test_what_was_refused_for_its_engines_flies(aircraft, condition):
+    airframe = Airframe(aircraft)
+    state = trim(airframe, TrimCondition(**condition), fly=10.0)
+    climb = 0.02 * 10.0 * state.tas * math.sin(math.radians(state.gamma))
+    assert abs(state.drift.height) < 0.5 + climb  # ft; thinner air has less power
+    assert abs(state.drift.speed) < 0.2
+    for _ in range(120):
+        airframe.fdm.run()
+    assert airframe.starved() == []
+
+
+@pytest.mark.parametrize("frozen", [None, 0.0, 1.0])
+def test_fuel_burns_after_the_trim_unless_the_user_froze_it(frozen):
+    setup = {} if frozen is None else {"propulsion/fuel_freeze": frozen}
+    airframe = Airframe("737")
+    trim(airframe, TrimCondition(altitude=15_000, speed=280, gear=0, setup=setup))
+    before = airframe.fdm["propulsion/total-fuel-lbs"]
+    for _ in range(240):
+        airframe.fdm.run()
+    burns = before - airframe.fdm["propulsion/total-fuel-lbs"]
+    assert burns == 0.0 if frozen else burns > 0.5
+
+
+def test_a_trim_on_the_last_drops_is_refused():
+    # the cruise of a c172p burns about 0.01 lb in a second
+    drops = {"altitude": 5000, "speed": 90, "fuel": [0.002, 0.002]}
+    with pytest.raises(TrimError) as error:
+        trim(Airframe("c172p"), TrimCondition(**drops), hint=False)
+    assert (error.value.reason, error.value.engines) == ("fuel", [0])
+    trim(Airframe("c172p"), TrimCondition(**{**drops, "fuel": [0.1, 0.1]}), hint=False)
+
+
+@pytest.mark.parametrize(
+    ("make", "command", "name"),
+    [
+        (outside.lever_writes_throttle, "throttle", "fcs/throttle-cmd-norm[0]"),
+        (outside.without_pitch_command, "pitch", "fcs/elevator-cmd-norm"),
+    ],
+)
+def test_a_command_that_moves_nothing_is_named(tmp_path, make, command, name):
+    error = refused(make(tmp_path))
+    assert (error.reason, error.command) == ("no effect", command)
+    # a lever of 0.3 is what the model writes
+    assert error.properties[name] == (
+        pytest.approx(0.3) if command == "throttle" else pytest.approx(error.properties[name])
+    )
+
+
+@pytest.mark.parametrize("command", ["roll", "yaw"])
+def test_so_is_one_of_roll_or_yaw(tmp_path, command):
+    name = {"roll": "aileron", "yaw": "rudder"}[command]
+    cut = rf"<input>\s*fcs/{name}-cmd-norm\s*</input>", "<input>fcs/nothing</input>"
+    text = '<system name="own"><property value="0">fcs/nothing</property></system>'
+    root = outside.changed(tmp_path, "c172x", cut, outside.before("aerodynamics", text))
+    # bank and sideslip cannot take their place in a steady turn
+    error = refused(root, mode="turn", bank=20)
+    assert (error.reason, error.command) == ("no effect", command)
+
+
+def test_a_model_without_aerodynamics_and_a_rotorcraft_are_called_so(tmp_path):
+    empty = r"<aerodynamics>.*</aerodynamics>", "<aerodynamics></aerodynamics>"
+    assert refused(outside.changed(tmp_path, "c172x", empty)).reason == "aerodynamics"
+    assert refused(None, "ah1s").reason == "rotorcraft"
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "condition"),
+    [("c172p", {"speed": 90}), ("737", {"speed": 260, "gear": 0}), ("DHC6", {"speed": 133})],
+)
+def test_the_effects_of_commands_are_those_of_a_short_flight(aircraft, condition):
+    airframe = Airframe(aircraft)
+    effects = {e.command: e for e in command_effects(airframe, TrimCondition(**condition))}
+    assert all(e.moves and not e.written_by_model for e in effects.values())
+    assert effects["throttle"].size > 1.0  # ft/s2
+    plane = Airframe(aircraft)
+    trim(plane, TrimCondition(**condition))
+    fdm = plane.fdm
+    for command in ("pitch", "roll", "yaw"):
+        (name,) = effects[command].properties
+        rate = f"accelerations/{effects[command].acceleration}-rad_sec2"
+        fdm[name] += 0.1
+        for _ in range(3):
+            fdm.run()
+        assert np.sign(fdm[rate]) == np.sign(effects[command].size)
+        fdm[name] -= 0.1
+        for _ in range(120):
+            fdm.run()
