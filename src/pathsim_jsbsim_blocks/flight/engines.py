@@ -7,16 +7,16 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import NamedTuple
 
-# root elements of engine files, and what they are
-_TYPES = {
+# root elements of the files of engines and thrusters, and what they are
+_KINDS = {
     "piston_engine": "piston",
     "turbine_engine": "turbine",
     "turboprop_engine": "turboprop",
     "rocket_engine": "rocket",
     "electric_engine": "electric",
     "brushless_dc_motor": "electric",
+    **{name: name for name in ("propeller", "nozzle", "direct", "rotor")},
 }
-_THRUSTERS = {name: name for name in ("propeller", "nozzle", "direct", "rotor")}
 
 # where JSBSim looks for engine files, the model's own folders first (FGPropulsion)
 _FOLDERS = ("Engines", "engines", "Engine", "engine")
@@ -79,10 +79,8 @@ def engines_of(model: Path, number: int) -> tuple[Engine, ...]:
         if file:
             other = _with_suffix(model.parent / file)
             parts, _ = _parts(other, other.stat().st_mtime_ns)
-        engines = [
-            Engine(i, _kind(model, engine, _TYPES), _kind(model, thruster, _THRUSTERS), tanks)
-            for i, (engine, thruster, tanks) in enumerate(parts)
-        ]
+        kind = functools.cache(functools.partial(_kind, model))  # most engines are alike
+        engines = [Engine(i, kind(e), kind(t), tanks) for i, (e, t, tanks) in enumerate(parts)]
     except (ET.ParseError, ValueError, LookupError, OSError):
         engines = []  # JSBSim has read what Python cannot
     if len(engines) != number:
@@ -106,7 +104,7 @@ def _parts(path: Path, changed: int) -> tuple[list[tuple[_Part, _Part, tuple[int
     return parts, propulsion.get("file", "")
 
 
-def _kind(model: Path, part: _Part, kinds: dict[str, str]) -> str:
+def _kind(model: Path, part: _Part) -> str:
     """What an engine or thruster is, by an element in it or by the root of its file."""
     tags = part.tags
     if part.file:
@@ -114,7 +112,7 @@ def _kind(model: Path, part: _Part, kinds: dict[str, str]) -> str:
         paths = (_with_suffix(folder / part.file) for folder in folders)
         if file := next(filter(Path.is_file, paths), None):
             tags = *tags, _tag(file, file.stat().st_mtime_ns)
-    return next((kinds[tag] for tag in tags if tag in kinds), "unknown")
+    return next((_KINDS[tag] for tag in tags if tag in _KINDS), "unknown")
 
 
 @functools.lru_cache(maxsize=256)

@@ -90,9 +90,10 @@ def value_check(
         return lambda label, value: _check_numbered(label, value, _NUMBERED[name])
     if name == _RUN_ENGINES:
         return _started(name, aircraft, len(engine_list()))
-    running = ENGINE_RUNS.fullmatch(name)
-    if running and (engine := engine_list()[int(running[1] or 0)]).follows_throttle:
-        return _not_stopped(name, aircraft, engine)
+    if running := ENGINE_RUNS.fullmatch(name):
+        for engine in engine_list():
+            if engine.number == int(running[1] or 0) and engine.follows_throttle:
+                return _not_stopped(name, aircraft, engine)
     return None
 
 

@@ -44,15 +44,14 @@ def no_fuel(
     """The error of engines that get no fuel: empty tanks, or tanks that the model has shut."""
     fdm, shut, empty = airframe.fdm, dict[str, float](), dict[str, float]()
     for path in (f"propulsion/tank[{i}]" for engine in engines for i in engine.tanks):
-        closed = not fdm[f"{path}/priority"]
-        name = f"{path}/{'priority' if closed else 'contents-lbs'}"
-        (shut if closed else empty)[name] = fdm[name]
+        if not fdm[f"{path}/priority"]:
+            shut[f"{path}/priority"] = 0.0
+        else:
+            empty[f"{path}/contents-lbs"] = fdm[f"{path}/contents-lbs"]
     numbers = ", ".join(str(engine.number) for engine in engines)
     why = f"no fuel for engine{'s' * (len(engines) > 1)} {numbers}: "
-    why += "; ".join(
-        [f"the model shuts {', '.join(shut)} (0)"] * bool(shut)
-        + [f"{', '.join(empty)} has no usable fuel"] * bool(empty)
-    )
+    why += ", ".join(f"{name} = {x:.3g}" for name, x in {**shut, **empty}.items())
+    why += " (the model shuts these tanks)" if shut else ""
     # tanks of other engines are none of its valves
     fed = {tank for engine in airframe.engine_list for tank in engine.tanks}
     others = [name for i, name in enumerate(airframe.tanks) if i not in fed and fdm[name] > 0.0]
