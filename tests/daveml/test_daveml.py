@@ -1,5 +1,6 @@
 """DAVE-ML files: read, evaluated, verified; what is malformed is refused by line and variable."""
 
+import gc
 import math
 import os
 import random
@@ -321,6 +322,24 @@ def test_what_is_too_large_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(elements, "_MOST_BYTES", 1000)
     with pytest.raises(DaveMLError, match=r"larger than 0\.001 MB"):
         DaveModel(file)
+
+
+@pytest.mark.parametrize(
+    ("part", "count"), [("a\n", 6_000_000), (" " * 200 + "<description/>", 40_000)]
+)
+def test_the_time_grows_with_the_size(tmp_path, part, count):
+    def seconds(n):
+        file = written(tmp_path, f"<DAVEfunc><fileHeader>{part * n}</fileHeader></DAVEfunc>")
+        start = time.process_time()
+        DaveModel(file)
+        return time.process_time() - start
+
+    gc.disable()  # its time is that of all other objects
+    try:
+        # eight times the size: its square would take 64 times as long
+        assert seconds(count) < 20.0 * min(seconds(count // 8) for _ in range(3))
+    finally:
+        gc.enable()
 
 
 @pytest.mark.parametrize(
