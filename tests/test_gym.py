@@ -133,6 +133,48 @@ def test_the_end_of_an_episode():
         env.step([0.0])
 
 
+@pytest.mark.parametrize("reward", [None, "3", np.nan, -np.inf, True, [1.0], np.array([1.0, 2.0])])
+def test_a_reward_that_is_no_finite_number_is_refused(reward):
+    env = bare(reward=lambda v: reward)
+    env.reset()
+    with pytest.raises(ParameterError) as error:
+        env.step([0.0])
+    assert error.value.parameter == "reward"
+    assert error.value.value is reward
+
+
+@pytest.mark.parametrize("answer", [None, 1, "no", np.array([True, False]), np.nan])
+def test_an_end_that_is_no_truth_value_is_refused(answer):
+    env = bare(terminated=lambda v: answer)
+    env.reset()
+    with pytest.raises(ParameterError) as error:
+        env.step([0.0])
+    assert error.value.parameter == "terminated"
+    assert error.value.value is answer
+
+
+@pytest.mark.parametrize("judge", ["reward", "terminated"])
+def test_a_judge_that_raises_leaves_the_flight_and_its_time_limit(judge):
+    def judged(values):
+        calls.append(values["time"])
+        if len(calls) in (3, 4, 20):
+            raise ZeroDivisionError
+        return False if judge == "terminated" else np.float32(0.0)
+
+    calls = []
+    env, plain = bare(duration=1.0, **{judge: judged}), bare(duration=1.0)
+    env.reset()
+    truncated = False
+    while not truncated:
+        try:
+            seen, _, _, truncated, _ = env.step([0.1])
+        except ZeroDivisionError:
+            assert len(calls) in (3, 4, 20)
+    # the twentieth step ends at the limit, but its judge has failed
+    assert calls == pytest.approx([0.05 * k for k in range(1, 22)])
+    assert np.array_equal(seen, flown(plain, [[0.1]] * 21)[-1])
+
+
 def test_a_crash_ends_the_episode_and_the_next_is_the_same_as_ever():
     plane = Aircraft("c172p", altitude=300, speed=90)
     sim = Simulation([plane], [], dt=1 / 120, log=False)

@@ -267,8 +267,9 @@ class DiagramEnv(gymnasium.Env):
         Raises
         ------
         ParameterError
-            for an action of another shape, one that is not finite, and where the diagram's ``dt``
-            was changed in the episode
+            for an action of another shape, one that is not finite, a reward that is no finite
+            number, a ``terminated`` that is not True or False, and where the diagram's ``dt`` was
+            changed in the episode
         """
         if self._pieces is None:
             raise gymnasium.error.ResetNeeded("the episode has ended, or none has begun: reset()")
@@ -282,18 +283,19 @@ class DiagramEnv(gymnasium.Env):
         if u.shape != self.action_space.shape or not np.isfinite(u).all():
             must_be("action", action, f"a list of {len(self._actions.names)} finite numbers")
         show(self._source.outputs, self._actions.meant(u))
-        info = {}
+        info, terminated = {}, True
         try:
-            goes_on = self._pieces.run(self._count)
-            reward = float(self._reward(self.values))
-            terminated = not goes_on or bool(self._terminated(self.values))
+            terminated = not self._pieces.run(self._count)
         except FlightError as error:
-            reward, terminated, info = self._crash, True, {"reason": str(error)}
+            info["reason"] = str(error)
+        # the step is flown and counts, whatever the judges do; the first row is the start
+        observation, truncated = self._observe(), len(self._rows) > self._longest
         if terminated:
             self._pieces = None
-        # the first row is the start
-        truncated = len(self._rows) >= self._longest
-        return self._observe(), reward, terminated, truncated, info
+        reward = self._crash if info else number("reward", self._reward(self.values))
+        if not terminated and flag("terminated", self._terminated(self.values)):
+            self._pieces, terminated = None, True
+        return observation, reward, terminated, truncated, info
 
     def _observe(self) -> np.ndarray:
         """The observation, recorded with the action and the place of the first aircraft."""
@@ -386,9 +388,9 @@ def make_env(
         ports, or ports with their ranges, to which the observations are limited
     reward : callable
         called after each step with the values of all ports by name, ``values["aircraft.theta"]``,
-        and ``values["time"]`` in s
+        and ``values["time"]`` in s; returns a finite number
     terminated : callable, optional
-        called likewise: whether the episode ends here, as it does by a ``sim.stop()`` in the
+        called likewise: True if the episode ends here, as it does by a ``sim.stop()`` in the
         diagram and by a `FlightError`
     step : float
         simulated time of a step in s, a multiple of the diagram's ``dt``

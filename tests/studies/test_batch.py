@@ -91,7 +91,9 @@ def test_a_case_that_fails_says_why_and_the_others_go_on():
     ("result", "message"),
     [
         (3.0, "must return a dict"),
-        ({"gain": 1.0}, "is a column of the cases"),
+        *(({name: 1.0}, "is a column of the cases") for name in ("gain", "seed", "completed")),
+        ({"x": b"a"}, "must be a number, text"),
+        ({"\udce9": 1.0}, "can be encoded"),
         ({"x": object()}, "must be a number, text"),
     ],
 )
@@ -111,6 +113,46 @@ def test_a_batch_resumes_from_its_file(tmp_path):
     )
     with pytest.raises(ParameterError, match="is of another study: cases is changed"):
         quiet(noise, {"gain": [1.0, 3.0]}, resume=path)
+
+
+def test_seeds_beyond_32_bits_draw_differently():
+    seeds = [0, 2**32, 2**40, 2**63, 2**64, 2**64 + 2**32, 2**200]
+    table = quiet(noise, [{"gain": 1.0, "seed": seed} for seed in seeds])
+    assert table.draw.nunique() == table["numpy"].nunique() == len(seeds)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        lambda: (x for x in (1, 2, 3)),
+        lambda: {1: "a", 2: "b", 3: "c"}.keys(),
+        lambda: map(int, "123"),
+        lambda: np.arange(1, 4),
+    ],
+)
+def test_an_axis_is_any_iterable(values, capsys):
+    table = run_batch(shown, {"x": values(), "z": (z for z in "ab")}, jobs=1)
+    assert table.y.tolist() == [1, 1, 2, 2, 3, 3]
+    assert "3 x 2 = 6 cases" in capsys.readouterr().err
+
+
+def shown(x, z=None):
+    return {"y": x}
+
+
+@pytest.mark.parametrize("text", ["\udce9", ["a", "\ud800"], {"a": "\udfff"}])
+def test_a_text_that_cannot_be_encoded_costs_its_own_case(text, tmp_path):
+    def build(x):
+        if x == 3:
+            raise ValueError("no file a\udce9")
+        return {"y": text if x == 2 else "é"}
+
+    table = quiet(build, {"x": [1, 2, 3]})
+    assert table.completed.tolist() == [True, False, False]
+    assert table.y[0] == "é"
+    assert "can be encoded" in table.reason[1]
+    assert table.reason[2] == "ValueError: no file a\\udce9"
+    table.to_parquet(tmp_path / "table.parquet")
 
 
 HELD = Aircraft("c172p")
@@ -133,6 +175,14 @@ REFERENCE = {"hold.theta_ref": [1.0]}
         (noise, {"gan": [1.0]}, {}, "case 0 has 'gan', which build does not take; did you mean 'g"),
         (noise, [{"gain": 1.0}, {}], {}, "case 1 does not go with build: missing .*'gain'"),
         (noise, {"gain": [math.nan]}, {}, "must be finite"),
+        (noise, {"gain": [b"a"]}, {}, "gain must be a number"),
+        (noise, {"gain": b"ab"}, {}, "gain must be a number"),
+        (noise, {"gain": [[bytearray(b"a")]]}, {}, r"gain\[0\] must be a number"),
+        (noise, {"gain": np.array([b"a"])}, {}, "gain must be a number"),
+        (noise, {"gain": memoryview(b"a")}, {}, "gain must be a number"),
+        (noise, {"gain": ["\udce9"]}, {}, "gain must be a text that can be encoded"),
+        (noise, {"gain": [1.0], "completed": [True]}, {}, "a column 'completed'"),
+        (noise, pd.DataFrame({"gain": [1.0], "reason": ["a"]}), {}, "a column 'reason'"),
         (noise, {"gain": [1.0], "seed": [-1]}, {}, "seed must be at least 0"),
         (noise, ONE, {"measure": level}, "goes with a script"),
         (noise, ONE, {"duration": 1.0}, "goes with a script"),

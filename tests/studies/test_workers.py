@@ -47,10 +47,23 @@ squares = squaring()
 SQUARES = [{"square": x * x} for x in range(1, 9)]
 
 
-@pytest.mark.parametrize("jobs", [0, -2, "all"])
+@pytest.mark.parametrize("jobs", [0, -2, "all", 10**9, 1025, 10**400, None])
 def test_a_bad_number_of_workers_is_refused(jobs):
-    with pytest.raises(ParameterError, match=r"jobs .*-1: all cores"):
+    with pytest.raises(ParameterError, match=r"jobs .*-1: all cores") as error:
         run(squares, PARTS, jobs=jobs)
+    assert error.value.parameter == "jobs"
+
+
+@pytest.mark.long
+def test_there_are_no_more_workers_than_parts():
+    def work(part):
+        import os
+
+        return [{"number": os.getpid()} for _ in part]
+
+    start = time.monotonic()
+    run(work, [[1], [2]], jobs=1024)
+    assert time.monotonic() - start < 60
 
 
 # quicker: test_sweep.test_chunk_order_and_workers_do_not_show

@@ -38,7 +38,9 @@ class Seeding:
     def __enter__(self) -> Seeding:
         self._usual = random.getstate(), np.random.get_state()  # noqa: NPY002
         random.seed(self.seed)
-        np.random.seed(self.seed % 2**32)  # noqa: NPY002
+        # of 32 bits at most; seeds may have more
+        words = np.random.SeedSequence(self.seed).generate_state(4)
+        np.random.seed(words)  # noqa: NPY002
         self._before = self._state()
         return self
 

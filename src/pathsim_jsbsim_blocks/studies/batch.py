@@ -16,7 +16,7 @@ import numpy as np
 from .._core.checks import did_you_mean, must_be, nearest, positive, refuse, whole
 from .._core.extras import required
 from ..catalogue import find_diagram
-from .grid import cell, expand, plain, product
+from .grid import cell, encodable, expand, plain
 from .journal import of_function
 from .workers import WORKER_DIED, run_parts
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from .._core.seeding import Seeding
 
 log = logging.getLogger(__name__)
+
+_OWN = ("completed", "reason")  # columns of the table that are no case's
 
 
 def run_batch(
@@ -70,8 +72,8 @@ def run_batch(
     seed : int
         seed of the batch; the seed of each case is drawn from it and the case's position
     jobs : int
-        worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
-        workers are used instead
+        worker processes, at most 1024, -1 for all cores; under ``joblib.parallel_config("dask")``
+        the cluster's workers are used instead
     resume : Path, optional
         file that keeps finished cases: repeating a killed call with the same file resumes it. It is
         refused, naming what differs, for other cases, arguments of a `functools.partial`, versions
@@ -95,14 +97,18 @@ def run_batch(
     KeyboardInterrupt
         on Ctrl-C, with the number of cases done and the file to resume with
     ParameterError
-        before the work begins: no cases, a case that ``build`` does not take (of a script: a block,
-        parameter or constant that it does not have, naming the nearest), NaN, a ``build`` that
-        cannot be sent to other processes, a file that cannot be written or belongs to another
-        batch; with ``resume`` a function that no file defines, and more than 2,000 files
+        before the work begins: no cases, a column ``completed`` or ``reason`` in them, bytes, a
+        case that ``build`` does not take (of a script: a block, parameter or constant that it does
+        not have, naming the nearest), NaN, a ``build`` that cannot be sent to other processes, a
+        file that cannot be written or belongs to another batch; with ``resume`` a function that no
+        file defines, and more than 2,000 files
     """
     pd = required("pandas", "studies")
 
-    points = expand("cases", cases)
+    points, count = expand("cases", cases)
+    for key in _OWN:
+        if any(key in row for row in points):
+            refuse(key, cases, f"the cases have a column {key!r}, which is one of the table's own")
     rows = _seeded(points, whole("seed", seed, low=0))
     if isinstance(build, (str, Path)):
         script = find_diagram(str(build)).absolute()
@@ -128,7 +134,7 @@ def run_batch(
         [[row] for row in rows],
         died={"completed": False, "reason": WORKER_DIED},
         describe=lambda case: ", ".join(f"{key}={value!r}" for key, value in case.items()),
-        title=f"run_batch {name}, {product(cases, rows)} cases",
+        title=f"run_batch {name}, {count} cases",
         job=job,
         jobs=jobs,
         resume=resume,
@@ -263,17 +269,19 @@ def _run_case(run: Callable[..., Any], case: dict[str, Any]) -> dict[str, Any]:
             row = {"completed": True, "reason": "", **_measured(run(seeding, case), case)}
         except (Exception, SystemExit) as error:
             log.info("case %s failed", case, exc_info=True)
-            row = {"completed": False, "reason": f"{type(error).__name__}: {error}"}
+            reason = f"{type(error).__name__}: {error}".encode(errors="backslashreplace").decode()
+            row = {"completed": False, "reason": reason}
     return {"seed": case["seed"], **row} if seeding.used else row
 
 
 def _measured(result: Any, case: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(result, Mapping):
         refuse("build", result, f"build must return a dict of what it measured, not {result!r}")
-    for key in result:
-        if key in (*case, "completed", "reason"):
+    row = {encodable("build", str(key)): value for key, value in result.items()}
+    for key in row:
+        if key in (*case, *_OWN):
             refuse("build", key, f"build returned {key!r}, which is a column of the cases")
-    return {str(key): _value(str(key), value) for key, value in result.items()}
+    return {key: _value(key, value) for key, value in row.items()}
 
 
 def _value(key: str, value: Any) -> Any:

@@ -32,6 +32,10 @@ _TAILS = {
 }
 
 
+# no numbers, although they are sequences of some
+_BYTES = (bytes, bytearray, memoryview)
+
+
 def column(name: str) -> str:
     """Name of a table's column: the quantity, then its unit."""
     unit = UNITS.get(name, "")
@@ -39,14 +43,19 @@ def column(name: str) -> str:
     return name if not tail or name.endswith(f"_{tail}") else f"{name}_{tail}"
 
 
-def expand(name: str, grid: Any) -> list[dict[str, Any]]:
-    """Rows of a grid: the product of a dict of axes (last axis fastest), or a table as it is."""
+def expand(name: str, grid: Any) -> tuple[list[dict[str, Any]], str]:
+    """Rows of a grid, and their number in words: 60 x 60 = 3,600.
+
+    They are the product of a dict of axes (last axis fastest), or a table as it is.
+    """
+    sizes: list[int] = []
     if hasattr(grid, "columns") and hasattr(grid, "to_dict"):
         grid = grid.to_dict("records")
     if isinstance(grid, Mapping):
         axes = {key: _axis(name, key, values) for key, values in grid.items()}
         values_of = itertools.product(*axes.values()) if axes else ()
         rows = [dict(zip(axes, values, strict=True)) for values in values_of]
+        sizes = [len(values) for values in axes.values() if len(values) > 1]
     elif isinstance(grid, (str, bytes)) or not np.iterable(grid):
         must_be(name, grid, "a dict of axes, a table or a list of dicts")
     else:
@@ -56,21 +65,19 @@ def expand(name: str, grid: Any) -> list[dict[str, Any]]:
                 refuse(name, grid, f"{name} must hold one dict for each point, not {row!r}")
     if not rows:
         refuse(name, grid, f"{name} is empty")
-    return [
-        {str(key): plain(f"{name} point {i}: {key}", value) for key, value in row.items()}
+    points = [
+        {
+            encodable(name, str(x)): plain(f"{name} point {i}: {x}", value)
+            for x, value in row.items()
+        }
         for i, row in enumerate(rows)
     ]
-
-
-def product(grid: Any, rows: Sequence[Any]) -> str:
-    """The number of rows, with those of its axes where they are a product: 60 x 60 = 3,600."""
-    axes = grid.values() if isinstance(grid, Mapping) else ()
-    many = [n for n in (len(_axis("", "", values)) for values in axes) if n > 1]
-    return f"{' x '.join(map(str, many))} = {len(rows):,}" if len(many) > 1 else f"{len(rows):,}"
+    product = f"{' x '.join(map(str, sizes))} = " if len(sizes) > 1 else ""
+    return points, f"{product}{len(rows):,}"
 
 
 def _axis(name: str, key: str, values: Any) -> list[Any]:
-    if values is None or isinstance(values, (str, Real, Mapping)):
+    if values is None or isinstance(values, (str, Real, Mapping, *_BYTES)):
         return [values]
     try:
         values = list(values)
@@ -84,19 +91,30 @@ def _axis(name: str, key: str, values: Any) -> list[Any]:
 
 def plain(name: str, value: Any) -> Any:
     """``value`` as plain Python data, which a file or another process returns unchanged."""
-    if hasattr(value, "tolist"):  # numpy
+    if hasattr(value, "tolist") and not isinstance(value, _BYTES):  # numpy
         value = value.tolist()
-    if value is None or isinstance(value, (bool, str)):
+    if value is None or isinstance(value, bool):
         return value
+    if isinstance(value, str):
+        return encodable(name, value)
     if isinstance(value, Integral):
         return int(value)
     if isinstance(value, Real):
         return number(name, value)
     if isinstance(value, Mapping):
         return {key: plain(f"{name}[{key!r}]", item) for key, item in value.items()}
-    if isinstance(value, Sequence):
+    if isinstance(value, Sequence) and not isinstance(value, _BYTES):
         return [plain(f"{name}[{i}]", item) for i, item in enumerate(value)]
     must_be(name, value, "a number, text, a list or a dict")
+
+
+def encodable(name: str, text: str) -> str:
+    """``text`` if a table can have it: not with half a character, as of a strange file's name."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        must_be(name, text, "a text that can be encoded")
+    return text
 
 
 # lists and dicts whose text is JSON

@@ -66,8 +66,8 @@ def trim_sweep(
     chunk : int
         points that a worker takes at once, rounded up to whole chains of 20
     jobs : int
-        worker processes, -1 for all cores; under ``joblib.parallel_config("dask")`` the cluster's
-        workers are used instead
+        worker processes, at most 1024, -1 for all cores; under ``joblib.parallel_config("dask")``
+        the cluster's workers are used instead
     resume : Path, optional
         file that keeps finished chunks: repeating a killed call with the same file resumes it
         with the same points, versions and XML files below ``root``
@@ -94,7 +94,7 @@ def trim_sweep(
     """
     pd = required("pandas", "studies")
 
-    points = expand("grid", grid)
+    points, count = expand("grid", grid)
     conditions = [trim_condition(i, point) for i, point in enumerate(points)]
     outputs = list(dict.fromkeys(property_list("outputs", outputs)))
     chunk = whole("chunk", chunk, low=1)
@@ -106,7 +106,7 @@ def trim_sweep(
         _chunks(ordered, chunk),
         died={"trimmed": False, "reason": WORKER_DIED},
         describe=lambda condition: f"{aircraft}: {condition}",
-        title=f"trim_sweep {aircraft}, {len(points)} points",
+        title=f"trim_sweep {aircraft}, {count} points",
         job=lambda: {
             "aircraft": aircraft,
             "root": root and str(root),

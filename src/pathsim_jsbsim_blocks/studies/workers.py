@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from .._core.callers import warn_user
-from .._core.checks import flag, refuse, whole
+from .._core.checks import flag, number, refuse, whole
 from .._core.extras import required
 from ..errors import ParameterError
 from .journal import Journal, study_key
@@ -28,6 +28,9 @@ Part = list[Any]
 Work = Callable[[Part], list[Row]]
 
 WORKER_DIED = "worker died"
+
+# processes; more than any machine has cores
+_MOST_JOBS = 1024
 
 # result of a part whose worker died
 _DIED = object()
@@ -48,11 +51,13 @@ def run_parts(
     """Rows of all points, in the order of the points."""
     from tqdm import tqdm
 
-    required("joblib", "studies")
+    joblib = required("joblib", "studies")
     flag("progress", progress)
-    if jobs != -1:
+    if jobs == -1:
+        jobs = joblib.cpu_count()
+    else:
         try:
-            jobs = whole("jobs", jobs, low=1)
+            jobs = whole("jobs", number("jobs", jobs, high=_MOST_JOBS), low=1)
         except ParameterError as error:
             refuse("jobs", jobs, f"{error} (-1: all cores)")
     journal = None
@@ -96,8 +101,8 @@ def _computed(
     """Index and rows of each part that is not finished; those whose worker dies again, alone."""
     while pending := [i for i in range(len(parts)) if i not in finished]:
         suspects = []
-        # a single part gains nothing from a second process
-        for index, result in _results(work, parts, pending, 1 if len(parts) == 1 else jobs):
+        # a worker without a part takes seconds to start all the same
+        for index, result in _results(work, parts, pending, min(jobs, len(parts))):
             if result is _DIED:
                 suspects.append(index)
             else:
