@@ -28,33 +28,31 @@ are absent and all others work.
 """
 
 import logging
-import sys
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from importlib.util import find_spec
+
+import lazy_loader
 
 __version__ = "0.3.0"
 
 # without a handler Python's last resort would write JSBSim's warnings to the console
 logging.getLogger(__name__).addHandler(logging.NullHandler())
 
-if TYPE_CHECKING:
-    from ._public import *
-    from .control.holds import *
-else:
-    # PathSim takes a second to import; the command's --help does not need it
+# each name of __init__.pyi is loaded at its first use: the command's --help does not need PathSim,
+# which takes a second to import, and a user of one hold needs no aircraft
+_load, _, _names = lazy_loader.attach_stub(__name__, __file__)
+_SUBJECTS = {name for name in _names if name.islower() and name != "fly"}
+_OF_JSBSIM = {"Aircraft", "JSBSimFDM", "LinearAircraft", "TrimCondition", "TrimState"}
+_absent = set() if find_spec("jsbsim") else _OF_JSBSIM
 
-    def __getattr__(name: str) -> Any:
-        here, public = globals(), vars(import_module("._public", __name__))
-        names = [n for n in public if n[0] != "_"]
-        for n, x in {"__all__": names, **{n: public[n] for n in names}}.items():
-            # what a test has put here in its place stays
-            here.setdefault(n, x)
-        if name in here:
-            return here[name]
-        raise AttributeError(
-            f"module {__name__!r} has no attribute {name!r}", name=name, obj=sys.modules[__name__]
-        )
+# PathView looks for blocks among these
+__all__ = sorted(set(_names) - _SUBJECTS - _absent)
 
-    def __dir__() -> list[str]:
-        # PathView looks for blocks here
-        return sorted(__getattr__("__all__"))
+
+def __dir__() -> list[str]:
+    return __all__.copy()
+
+
+def __getattr__(name: str) -> object:
+    if name not in _names or name in _absent:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
+    return _load(name)

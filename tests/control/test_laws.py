@@ -29,6 +29,7 @@ from equations import (
     seen,
     wander,
 )
+from pathsim_jsbsim_blocks.control.protection import share_of_climb
 
 from pathsim_jsbsim_blocks import (
     AirspeedHold,
@@ -44,7 +45,6 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.loops import wrap
-from pathsim_jsbsim_blocks.control.protection import share_of_climb
 
 
 @pytest.mark.parametrize("target", [None, 1.0])

@@ -8,11 +8,8 @@ from .._core.callers import warn_user
 from .._core.checks import must_be, number, one_of
 from .._core.docstrings import filler
 from .._core.sampling import SampledLaw
-from .channels import Vertical
 from .gain_tables import loop_gains, schedule_of
-from .gains import AltitudeGains, AttitudeGains, EnvelopeLimits
-from .loops import AltitudeLoop, HeadingLoop, Reference, ReferenceLoop, attitude_loop
-from .protection import Allowed, Protection
+from .loops import HeadingLoop, Reference, ReferenceLoop, attitude_loop
 
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
@@ -24,10 +21,9 @@ FLYING = 30.0  # kt, the least airspeed of a flight
 # increments that must be meant absolute: from this share of the measured value on, which is at
 # least so much
 MEANT_ABSOLUTE = {"h_ref": (0.8, 1000.0, "ft"), "vc_ref": (0.5, FLYING, "kt")}
-FAR_BELOW = 0.5  # of the lowest airspeed, a demand that must be meant otherwise
 
 # docstring sections shared by the holds
-fill = filler(
+SECTIONS = dict(
     T="""
     T : float
         sample period in s
@@ -37,34 +33,11 @@ fill = filler(
         what a wired reference port is: "increment", added to the parameter or to the value found
         at engagement (0 changes nothing), or "absolute", the reference itself
     """,
-    alpha_max="""
-    alpha_max : float, optional
-        largest angle of attack in deg, with the port ``alpha`` wired; default is the gain table's
-    """,
     bank="""
     bank_max : float
         largest bank reference in deg
     authority : float or pair
         largest aileron increment, of full travel
-    """,
-    climb="""
-    theta_min : float
-        lowest pitch reference in deg
-    theta_max : float, optional
-        highest pitch reference in deg; default is the gain table's
-    authority : float or pair
-        largest elevator increment, of full travel
-    """,
-    level="""
-    h, hdot
-        altitude in ft, rate of climb in ft/s
-    theta, q
-        pitch angle in deg, pitch rate in deg/s
-    """,
-    capture="""
-    h_ref : float, optional
-        altitude to capture, ft; default: none, or with a port that is not 0 so much above the
-        altitude at engagement
     """,
     elev_off="""
     off
@@ -77,12 +50,6 @@ fill = filler(
         increment of the elevator command; positive is nose **down**
     theta_cmd
         pitch reference on its ramp, deg
-    """,
-    climbing="""
-    hdot_cmd
-        rate of climb demanded, ft/s
-    captured
-        1 from the capture of the altitude on, otherwise 0
     """,
     ail_off="""
     off
@@ -110,6 +77,7 @@ fill = filler(
         for a gain table's file that cannot be read
     """,
 )
+fill = filler(**SECTIONS)
 
 
 def authority_limits(parameter: str, value: Any) -> tuple[float, float]:
@@ -177,27 +145,6 @@ class Hold(SampledLaw):
             loop.retune(*self._schedule.numbers(name, place))
         self._tuned_for[:] = vc, h
 
-    def altitude_loop(self, gains: AltitudeGains) -> AltitudeLoop:
-        """The altitude loop; its limits are checked at every point of a schedule."""
-        T, c = self.clock.period, self.checked
-        limits = getattr(c, "hdot_max", None), c.theta_min, c.theta_max
-        for point in self._schedule.points if self._schedule else ():
-            AltitudeLoop(T, point.gains.altitude, *limits)
-        return AltitudeLoop(T, gains, *limits)
-
-    def vertical_loops(
-        self, altitude: AltitudeGains, pitch: AttitudeGains, envelope: EnvelopeLimits | None
-    ) -> Vertical:
-        """The loops from the altitude to the elevator; they follow a schedule."""
-        T, authority = self.clock.period, self.checked.authority
-        vertical = Vertical(
-            self.altitude_loop(altitude),
-            attitude_loop(T, pitch, authority, -1.0, self.scheduled),
-            self.protection_within(envelope),
-        )
-        self.follows(**vertical.loops)
-        return vertical
-
     def lateral_loops(self) -> tuple[HeadingLoop, ReferenceLoop]:
         """The loops from the heading to the bank, and from there to the ailerons."""
         T, c = self.clock.period, self.checked
@@ -208,13 +155,6 @@ class Hold(SampledLaw):
         )
         self.follows(heading=loops[0], roll=loops[1])
         return loops
-
-    def protection_within(self, envelope: EnvelopeLimits | None) -> Protection | None:
-        """The protection from the stall; None without an angle of attack to keep."""
-        own = self.checked.alpha_max
-        if own is None and envelope is None:
-            return None
-        return Protection(self.clock.period, own, envelope)
 
     def wanted(self, port: str, value: float, measured: float = 0.0) -> Reference:
         """Reference from the value at a port, which may be absolute."""
@@ -230,19 +170,6 @@ class Hold(SampledLaw):
                     *(value, unit, port, measured + value, unit),
                 )
         return getattr(self.checked, port), value
-
-    def airspeed_within(self, allowed: Allowed, wanted: float, vc: float) -> float:
-        """The airspeed wanted in kt, within the limits; one far below the lowest is warned of."""
-        lowest = allowed.vc_min
-        # below 0.9 of the present one: without a demand the two are the same
-        if lowest >= FLYING and wanted < min(FAR_BELOW * lowest, 0.9 * vc):
-            self._warn_once(
-                "vc_ref",
-                "vc_ref asks for {:.0f} kt, far below the lowest airspeed of this flight, "
-                "{:.0f} kt, which is flown instead",
-                *(wanted, lowest),
-            )
-        return max(min(wanted, allowed.vc_max), lowest)
 
     def _warn_once(self, about: str, text: str, *values: Any) -> None:
         # a law asks at each sample: the text is made once

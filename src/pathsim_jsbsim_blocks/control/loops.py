@@ -8,10 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from .._core.checks import refuse
 from .._core.units import GRAVITY
-from .airspeeds import true_airspeed
-from .gains import AltitudeGains, AttitudeGains, HeadingGains, SpeedGains, YawGains
+from .gains import AttitudeGains, HeadingGains, SpeedGains, YawGains
 from .pid import PID, PIDState, clip
 
 # of an airspeed error beyond its band, the share that does not count
@@ -19,7 +17,7 @@ BEYOND = 0.8
 
 DEGREES, RADIANS = math.degrees(1.0), math.radians(1.0)
 
-_LEAST_RATE = 1e-9  # ft/s2 per deg, so that a loop without a gain is only very slow
+LEAST_RATE = 1e-9  # ft/s2 per deg, so that a loop without a gain is only very slow
 
 # a target, None for the value found at engagement, and what is added to it
 Reference = tuple[float | None, float]
@@ -164,7 +162,7 @@ class HeadingLoop:
 
     def lag(self, speed: float) -> float:
         """Time constant of a coordinated turn onto a heading at a speed in ft/s, s."""
-        return speed / max(GRAVITY * abs(self.pid.Kp), _LEAST_RATE)
+        return speed / max(GRAVITY * abs(self.pid.Kp), LEAST_RATE)
 
     def sample(
         self,
@@ -210,98 +208,11 @@ class HeadingLoop:
         return bank
 
 
-class AltitudeState(NamedTuple):
-    """State of an `AltitudeLoop`."""
+class LateralState(NamedTuple):
+    """State of the ailerons' loops: a bank for a heading, within it the roll angle."""
 
-    found: float = 0.0  # altitude at engagement
-    law: PIDState = PID.START
-    cut: float = 0.0  # ft/s, what was cut off the rate of climb demanded
-
-
-class AltitudeLoop:
-    """Pitch reference from the altitude error over the rate of climb, as in `AltitudeHold`."""
-
-    START = AltitudeState()
-
-    CAPTURE = 0.1 * GRAVITY  # ft/s2, of the rate of climb
-
-    # of descents: ft/s, share of the true airspeed, share of the sink rate at idle
-    FASTEST, STEEPEST, OF_IDLE = 25.0, 0.06, 0.8
-
-    def __init__(
-        self,
-        T: float,
-        gains: AltitudeGains,
-        hdot_max: float | None,
-        theta_min: float,
-        theta_max: float | None,
-    ):
-        self._own_hdot_max, self._own_theta_max = hdot_max, theta_max
-        self.pid = PID(T, low=theta_min)
-        self.retune(*vars(gains).values())
-        if theta_min > self.theta_max:
-            whose = " of the gains" if theta_max is None else ""
-            refuse(
-                "theta_min",
-                theta_min,
-                f"theta_min, {theta_min:g} deg, must not be above theta_max{whose}, "
-                f"{self.theta_max:g} deg",
-            )
-
-    def retune(self, Kh: float, Kp: float, Ki: float, hdot_max: float, theta_max: float) -> None:
-        self.Kh = Kh
-        self.pid.retune(Kp, Ki)
-        own_hdot_max, own_theta_max = self._own_hdot_max, self._own_theta_max
-        self.hdot_max = self.sink_max = hdot_max if own_hdot_max is None else own_hdot_max
-        self.theta_max = self.pid.high = theta_max if own_theta_max is None else own_theta_max
-
-    def allow(self, theta: float) -> None:
-        """Allow this pitch angle at the next sample; only a limit of one's own forbids it."""
-        if self._own_theta_max is None:
-            self.pid.high = max(self.theta_max, theta)
-
-    def descend(self, descent: float, vt: float) -> None:
-        """Allow faster descents, from the sink rate at idle and the true airspeed, ft/s."""
-        if self._own_hdot_max is None:
-            most = min(self.STEEPEST * vt, self.OF_IDLE * descent, self.FASTEST)
-            self.sink_max = max(self.hdot_max, most)
-
-    def climb_rate(self, error: float, share: float = 1.0) -> float:
-        """Rate of climb demanded in ft/s for an altitude error in ft.
-
-        ``share`` is that of ``hdot_max`` which is allowed upwards, negative to demand a descent.
-        """
-        return min(max(self.Kh * error, -self.sink_max), share * self.hdot_max)
-
-    def capture_rate(self, error: float) -> float:
-        """Rate of climb in ft/s at which the capture of an altitude begins, at an error in ft.
-
-        Far away the rate falls with a constant acceleration, then in proportion to the error.
-        """
-        Kh = max(self.Kh, _LEAST_RATE)
-        near, away = self.CAPTURE / Kh**2, abs(error)
-        rate = Kh * away
-        if away >= near:
-            rate = max(self.CAPTURE * (2.0 * away - near), 0.0) ** 0.5
-        return -rate if error < 0.0 else rate
-
-    def error(self, state: AltitudeState, h: float, reference: Reference) -> tuple[float, float]:
-        """Altitude found at engagement, and the altitude error, in ft."""
-        target, increment = reference
-        found = state.found if target is None and state.law.engaged else h
-        return found, (found if target is None else target) + increment - h
-
-    def climb(
-        self, law: PIDState, hdot_cmd: float, hdot: float, theta: float, cut: float = 0.0
-    ) -> tuple[float, PIDState]:
-        """Pitch reference for a rate of climb, and the next state of the law.
-
-        The loop continues from the pitch reference ``theta`` at engagement; ``cut`` is what was cut
-        off the last pitch reference.
-        """
-        if not law.engaged:
-            law = PID.holding(theta)
-        return self.pid.sample(law, hdot_cmd, hdot, 0.0, cut)
+    heading: HeadingState = HeadingLoop.START
+    roll: ReferenceState = ReferenceLoop.START
 
 
 class SpeedLoop:
@@ -354,47 +265,6 @@ class SpeedLoop:
             law = law._replace(integral=law.integral + taken, u=raised)
             u, state = raised, state._replace(law=law)
         return u, reference, state
-
-
-class SpeedOnPitchLoop:
-    """Rate of climb from true airspeed, as in `SpeedOnPitchHold`.
-
-    Height is exchanged for speed at the throttle as it is. At constant energy dV/dt = -g/V dh/dt,
-    so that omega and zeta are those of the airspeed for any aircraft whose rate of climb follows
-    its demand faster.
-    """
-
-    START = ReferenceLoop.START
-
-    FREQUENCY = 0.15  # rad/s, below the crossover of the rate of climb
-    DAMPING = 0.9
-
-    def __init__(self, T: float, ramp: float, theta_min: float, theta_max: float):
-        # the path is at most as steep as the pitch angle may be
-        self.steepest = math.radians(theta_max), math.radians(theta_min)
-        self.loop = ReferenceLoop(PID(T), ramp, -1.0)
-
-    def sample(
-        self,
-        state: ReferenceState,
-        vc: float,
-        h: float,
-        hdot: float,
-        wanted: float,
-        keeps: bool,
-        sat: float,
-        off: bool,
-    ) -> tuple[float, float, ReferenceState]:
-        """Rate of climb in ft/s, reference in kt and next state; as in `ReferenceLoop`."""
-        pid, per_knot = self.loop.pid, true_airspeed(1.0, h)
-        v = vc * per_knot
-        gain = v * per_knot * self.FREQUENCY / GRAVITY
-        pid.retune(2.0 * self.DAMPING * gain, self.FREQUENCY * gain)
-        up, down = self.steepest
-        pid.low, pid.high = -v * up, -v * down
-        if not state.law.engaged:
-            state = state._replace(law=PID.holding(-hdot))
-        return self.loop.sample(state, vc, 0.0, wanted, keeps, sat, off)
 
 
 class YawState(NamedTuple):

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..control.autopilot import Autopilot
 from ..control.gains import AircraftGains, GainSchedule
 from ..control.response import ResponseQuality, response_quality
 from ..flight.aircraft import Aircraft
+from ..guidance.autopilot import Autopilot
 from .requirements import STEP_REQUIREMENTS, StepRequirement
 
 # s of flight before the step: the first step after a trim disturbs turbines

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from math import inf, isfinite, nan
 from threading import get_ident
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import jsbsim
 import numpy as np
@@ -29,17 +29,20 @@ from ..errors import (
     FlightError,
     ParameterError,
 )
-from ..linear.model import LinearModel
 from . import from_trim
 from .airframe import Airframe
 from .channels import Channel
 from .console import capture_console
 from .contact import GroundContact
 from .flightgear import next_address
+from .linear import model_of, response_of
 from .property_ports import check_ports, listed
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition, check_condition
 from .trimming.trimmer import Trimmer
+
+if TYPE_CHECKING:
+    from .linear import LinearModel
 
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1
@@ -240,7 +243,7 @@ class FlightBlock(Parametric, SampledPlant):
         ParameterError
             for an unknown method or port, naming the nearest
         """
-        return from_trim.linear_model(self, method, inputs, outputs, amplitude)
+        return model_of(self, method, inputs, outputs, amplitude)
 
     def response(self, input: str, increments: Sequence[float], output: str) -> np.ndarray:
         """An output over increments on an input, the other inputs as trimmed.
@@ -266,7 +269,7 @@ class FlightBlock(Parametric, SampledPlant):
         FlightError
             if the aircraft cannot be flown on
         """
-        return from_trim.response(self, input, increments, output)
+        return response_of(self, input, increments, output)
 
     def to_statespace(self, t: float) -> Matrices:
         """A, B, C, D of the flown model about the trim, at any time of the flight.

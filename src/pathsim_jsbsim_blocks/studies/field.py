@@ -11,10 +11,11 @@ from pathsim.blocks import Constant, Function, Scope
 from pathsim.events import Condition
 
 from ..control.gain_tables import tables
-from ..control.holds import FlareHold, PitchHold, RollHold
+from ..control.holds import PitchHold, RollHold
 from ..errors import BlocksError
 from ..flight import TrimCondition, TrimState, trim
 from ..flight.aircraft import Aircraft
+from ..guidance.flare import FlareHold
 from .flight_tests import LARGE, Plane, reason_of
 
 _ROTATION, _CLIMB, _APPROACH = 1.05, 1.2, 1.3  # of the stall speed: CS 25.107, 25.107(b), 23.73

@@ -6,18 +6,9 @@ Their outputs are increments on the trimmed commands, as ``Aircraft`` takes them
 from typing import TYPE_CHECKING
 
 # the package and PathView export the names in the ``__all__`` of each module
-from . import approach, course, flare, lateral, longitudinal
-from .approach import *
-from .course import *
-from .flare import *
+from . import lateral, longitudinal
 from .lateral import *
 from .longitudinal import *
 
 if not TYPE_CHECKING:  # mypy would take a list that it cannot read for an empty one
-    __all__ = [
-        *lateral.__all__,
-        *longitudinal.__all__,
-        *course.__all__,
-        *approach.__all__,
-        *flare.__all__,
-    ]
+    __all__ = [*lateral.__all__, *longitudinal.__all__]

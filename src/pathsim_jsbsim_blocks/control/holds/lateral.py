@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from ..._core.checks import heading, number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
-from ..channels import LateralState
 from ..controller import Authority, Hold, authority_limits, fill, reference_kind
 from ..gains import Gains
-from ..loops import ReferenceLoop, ReferenceState, YawLoop, YawState, attitude_loop
+from ..loops import LateralState, ReferenceLoop, ReferenceState, YawLoop, YawState, attitude_loop
 
 __all__ = ["HeadingHold", "RollHold", "YawDamper"]
 

@@ -6,17 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..._core.checks import heading, number, optional, positive, refuse
-from ..._core.parameters import parameter
-from ..._core.ports import numbered
-from ..._core.units import GRAVITY, KNOT
-from ..channels import LateralState, Motion, Vertical, VerticalState
-from ..controller import Authority, Hold, authority_limits, fill
-from ..gain_tables import named
-from ..gains import Gains
-from ..loops import DEGREES, AltitudeLoop, ReferenceState, attitude_loop, wrap
-from ..pid import PID, clip
+from .._core.checks import heading, number, optional, positive, refuse
+from .._core.parameters import parameter
+from .._core.ports import numbered
+from .._core.units import GRAVITY, KNOT
+from ..control.controller import Authority, authority_limits
+from ..control.gain_tables import named
+from ..control.gains import Gains
+from ..control.loops import DEGREES, LateralState, ReferenceState, attitude_loop, wrap
+from ..control.pid import PID, clip
 from .approach import SLOWEST, BeamState
+from .climb_loops import AltitudeLoop
+from .hold import GuidedHold, fill
+from .vertical import Motion, Vertical, VerticalState
 
 __all__ = ["FlareHold"]
 
@@ -99,7 +101,7 @@ class Seen(NamedTuple):
 
 @fill
 @dataclass(eq=False, repr=False)
-class FlareHold(Hold):
+class FlareHold(GuidedHold):
     """Lands: flare, decrab, idle, touchdown and roll-out; or goes around.
 
     .. math::

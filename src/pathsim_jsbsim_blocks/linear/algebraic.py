@@ -7,13 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from ..._core.aircraft_ports import property_of
-from ..._core.checks import mapping, refuse
-from ..._core.units import FOOT
-from ...linear.model import LinearModel
-from ..airframe import Airframe
-from ..channels import RIGID, Channel, as_shown, full_circle, ignorable
-from .flyable import Flyable, Linearised, no_model
+from .._core.aircraft_ports import property_of
+from .._core.checks import mapping, refuse
+from .._core.units import FOOT
+from ..flight.airframe import Airframe
+from ..flight.channels import RIGID, Channel, as_shown, full_circle, ignorable
+from ..flight.flyable import Flyable
+from .linearised import Linearised, no_model
+from .model import LinearModel
 
 # JSBSim's states in the order in which they are written (height and angles move the velocities):
 # initial condition, present value, rate, perturbation in the property's unit

@@ -6,14 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from ..._core.callers import warn_user
-from ..._core.checks import did_you_mean, mapping, nearest, positive, refuse
-from ..._core.pathsim_internals import values
-from ...errors import FlightError
-from ...linear.identification import Realisation, realise, respond
-from ...linear.model import LinearModel
-from ..airframe import Airframe
-from ..channels import (
+from .._core.callers import warn_user
+from .._core.checks import did_you_mean, mapping, nearest, positive, refuse
+from .._core.pathsim_internals import values
+from ..errors import FlightError
+from ..flight.airframe import Airframe
+from ..flight.channels import (
     RIGID,
     Channel,
     acceleration,
@@ -22,7 +20,10 @@ from ..channels import (
     full_circle,
     ignorable,
 )
-from .flyable import Flyable, Linearised, no_model
+from ..flight.flyable import Flyable
+from .identification import Realisation, realise, respond
+from .linearised import Linearised, no_model
+from .model import LinearModel
 
 # s; a pulse of this length moves the attitude little and the accelerations enough
 _PULSE = 0.025

@@ -6,10 +6,10 @@ import math
 from typing import NamedTuple
 
 from .._core.units import GRAVITY
-from .airspeeds import fastest_airspeed, true_airspeed
-from .gains import EnvelopeLimits
-from .loops import DEGREES, RADIANS
-from .pid import clip
+from ..control.airspeeds import fastest_airspeed, true_airspeed
+from ..control.gains import EnvelopeLimits
+from ..control.loops import DEGREES, RADIANS
+from ..control.pid import clip
 
 
 def share_of_climb(vc: float, vc_cmd: float) -> float:

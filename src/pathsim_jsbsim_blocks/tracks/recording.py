@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from .._core.aircraft_ports import ALMOST_NORTH, OUTPUTS, property_of, throttles
-from ..tracks.track import POSITION, Track
-from . import from_trim
-from .block import FlightBlock
+from ..flight import from_trim
+from ..flight.block import FlightBlock
+from .track import POSITION, Track
 
 # label: port or property, and factor; one that a model lacks is left out
 _SIGNALS = {

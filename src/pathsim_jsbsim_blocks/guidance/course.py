@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from ..._core.callers import warn_user
-from ..._core.checks import heading, must_be, number, one_of, optional, positive, refuse, whole
-from ..._core.parameters import parameter
-from ..._core.ports import numbered
-from ..._core.units import GRAVITY, KNOT
-from ...axes.earth import ned_to_geodetic
-from ...axes.navigation import (
+from .._core.callers import warn_user
+from .._core.checks import heading, must_be, number, one_of, optional, positive, refuse, whole
+from .._core.parameters import parameter
+from .._core.ports import numbered
+from .._core.units import GRAVITY, KNOT
+from ..axes.earth import ned_to_geodetic
+from ..axes.navigation import (
     Arc,
     GreatCircle,
     Place,
@@ -26,13 +26,12 @@ from ...axes.navigation import (
     place_unchecked,
     point,
 )
-from ...errors import ParameterError
-from ..channels import LateralState
-from ..controller import Authority, Hold, authority_limits, fill
-from ..gain_tables import slowest
-from ..gains import Gains
-from ..loops import wrap
-from ..pid import clip
+from ..control.controller import Authority, Hold, authority_limits, fill
+from ..control.gain_tables import slowest
+from ..control.gains import Gains
+from ..control.loops import LateralState, wrap
+from ..control.pid import clip
+from ..errors import ParameterError
 
 __all__ = ["CourseHold"]
 

@@ -6,17 +6,18 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..._core.checks import flag, heading, number, optional, positive
-from ..._core.parameters import parameter
-from ..._core.ports import numbered
-from ...axes.navigation import distance, place_unchecked, point
-from ..channels import LateralState, Motion, VerticalState
-from ..controller import Authority, Hold, authority_limits, fill
-from ..gains import Gains
-from ..loops import DEGREES, wrap
-from ..pid import clip
-from ..receivers import above_path
+from .._core.checks import flag, heading, number, optional, positive
+from .._core.parameters import parameter
+from .._core.ports import numbered
+from ..axes.navigation import distance, place_unchecked, point
+from ..control.controller import Authority, Hold, authority_limits
+from ..control.gains import Gains
+from ..control.loops import DEGREES, LateralState, wrap
+from ..control.pid import clip
 from .course import SEPARATION, SMOOTHING
+from .hold import GuidedHold, fill
+from .receivers import above_path
+from .vertical import Motion, VerticalState
 
 __all__ = ["GlideslopeHold", "LocalizerHold"]
 
@@ -173,7 +174,7 @@ class GlideslopeState(NamedTuple):
 
 @fill
 @dataclass(eq=False, repr=False)
-class GlideslopeHold(Hold):
+class GlideslopeHold(GuidedHold):
     """Follows a glide path down to a runway with the elevator; captures it from below or above.
 
     .. math::

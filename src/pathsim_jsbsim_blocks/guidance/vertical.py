@@ -1,23 +1,13 @@
-"""Elevator and ailerons at one sample: loops in loops, common to single holds and the autopilot.
-
-Throttle and rudder have one loop each, `SpeedLoop` and `YawLoop`.
-"""
+"""Elevator at one sample: loops in loops, common to the climbing holds and the autopilot."""
 
 from __future__ import annotations
 
 import math
 from typing import Any, NamedTuple
 
-from .airspeeds import true_airspeed
-from .loops import (
-    AltitudeLoop,
-    AltitudeState,
-    HeadingLoop,
-    HeadingState,
-    Reference,
-    ReferenceLoop,
-    ReferenceState,
-)
+from ..control.airspeeds import true_airspeed
+from ..control.loops import Reference, ReferenceLoop, ReferenceState
+from .climb_loops import AltitudeLoop, AltitudeState
 from .protection import EVERYTHING, Allowed, Protection, ProtectionState
 
 
@@ -41,13 +31,6 @@ class VerticalState(NamedTuple):
     pitch: ReferenceState = ReferenceLoop.START
     guard: ProtectionState = Protection.START
     cut: float = 0.0  # deg, what the protection cut off the last pitch reference
-
-
-class LateralState(NamedTuple):
-    """State of the ailerons' loops: a bank for a heading, within it the roll angle."""
-
-    heading: HeadingState = HeadingLoop.START
-    roll: ReferenceState = ReferenceLoop.START
 
 
 class ClimbState(NamedTuple):

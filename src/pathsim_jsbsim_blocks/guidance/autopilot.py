@@ -8,22 +8,24 @@ from typing import NamedTuple
 from .._core.checks import heading, number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
-from .channels import ClimbState, LateralState, Motion, Vertical, VerticalState
-from .controller import Authority, Hold, authority_limits, fill, reference_kind
-from .gains import Gains
-from .loops import (
+from ..control.controller import Authority, authority_limits, reference_kind
+from ..control.gains import Gains
+from ..control.loops import (
     HeadingLoop,
+    LateralState,
     Reference,
     ReferenceLoop,
     ReferenceState,
     SpeedLoop,
-    SpeedOnPitchLoop,
     YawLoop,
     YawState,
     attitude_loop,
 )
-from .pid import clip
+from ..control.pid import clip
+from .climb_loops import SpeedOnPitchLoop
+from .hold import GuidedHold, fill
 from .protection import Allowed, share_of_climb
+from .vertical import ClimbState, Motion, Vertical, VerticalState
 
 
 class LeverState(NamedTuple):
@@ -48,7 +50,7 @@ class AutopilotState(NamedTuple):
 
 @fill
 @dataclass(eq=False, repr=False)
-class Autopilot(Hold):
+class Autopilot(GuidedHold):
     """Autopilot with autothrottle and yaw damper in one block; the fastest to simulate.
 
     The loops are those of ``AltitudeHold`` or ``PitchHold``, ``HeadingHold`` or ``RollHold``,

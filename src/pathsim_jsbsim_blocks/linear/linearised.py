@@ -2,33 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from ..._core.pathsim_internals import values
-from ...errors import LinearisationError
-from ...linear.model import LinearModel, find
-from ..airframe import Airframe
-from ..channels import Channel
-from ..trimming.state import TrimState
-
-
-class Flyable(Protocol):
-    """As much of an aircraft block as a linear model, a response or another trim needs."""
-
-    airframe: Airframe
-    trim: TrimState
-    setup: Mapping[str, float] | None
-    _before: Any
-    T: float
-    inputs: Any
-    outputs: Any
-
-    def channels(self) -> tuple[list[Channel], list[Channel]]: ...
-    def trimmed_inputs(self) -> list[float]: ...
-    def advance(self, index: int, u: list[float]) -> list[float]: ...
+from .._core.pathsim_internals import values
+from ..errors import LinearisationError
+from ..flight.channels import Channel
+from ..flight.flyable import Flyable
+from .model import LinearModel, find
 
 
 def no_model(plane: Flyable, reason: str, why: str, name: str = "") -> LinearisationError:

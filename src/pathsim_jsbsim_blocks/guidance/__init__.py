@@ -1,0 +1,1 @@
+"""Autopilot, climbs and descents with the stall protection, courses, approach and landing."""

@@ -1,0 +1,59 @@
+"""Linear model and response of an aircraft block about its trim, flown by another aircraft."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from .._core.checks import one_of
+from .._core.pathsim_internals import values
+from ..flight.aircraft import Aircraft
+from ..flight.flyable import Flyable
+from ..flight.from_trim import twin
+from ..flight.trimming.condition import TrimCondition
+from .algebraic import algebraic_model
+from .flown import flown_model
+from .linearised import no_model
+from .model import LinearModel, find
+
+
+def linear_model_of(
+    aircraft: str, condition: TrimCondition | None, choices: tuple[Any, ...], **options: Any
+) -> LinearModel:
+    """Linear model of a model by name, as of `flight.linear_model`."""
+    condition = TrimCondition() if condition is None else condition
+    return linear_model(Aircraft(aircraft, condition=condition, **options), *choices)
+
+
+def linear_model(
+    flown: Flyable,
+    method: str,
+    inputs: Sequence[str] | None,
+    outputs: Sequence[str] | None,
+    amplitude: Mapping[str, float] | None,
+) -> LinearModel:
+    """Linear model about the trim of a block, as of `FlightBlock.linear_model`."""
+    one_of("method", method, ["flown", "algebraic"])
+    mode = flown.trim.condition.mode
+    if mode in ("none", "ground", "pull-up"):
+        raise no_model(flown, "no trim", f"it is not in steady flight (mode={mode!r})")
+    make = flown_model if method == "flown" else algebraic_model
+    return make(lambda: twin(flown), inputs, outputs, amplitude)
+
+
+def response(flown: Flyable, input: str, increments: Sequence[float], output: str) -> np.ndarray:
+    """An output over increments on an input, as of `FlightBlock.response`."""
+    plane = twin(flown)
+    ports, channels = plane.channels()
+    (i,) = find("input", [c.name for c in ports], [input])
+    (o,) = find("output", [c.name for c in channels], [output])
+    u = values(plane.inputs)
+    trimmed = plane.trimmed_inputs()
+    u[: len(trimmed)] = trimmed
+    y = [values(plane.outputs)[o]]
+    for k, increment in enumerate(np.asarray(increments, dtype=float).tolist(), 1):
+        u[i] = trimmed[i] + increment
+        y.append(plane.advance(k, u)[o])
+    return np.array(y)
