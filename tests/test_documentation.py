@@ -10,6 +10,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
+from all_holds import HOLDS
 from how_many import each
 
 import pathsim_jsbsim_blocks as package
@@ -20,7 +21,6 @@ from pathsim_jsbsim_blocks.catalogue import (
     find_diagram,
 )
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.pathview.toolboxes import Toolbox
 
 ROOT = Path(__file__).parents[1]
@@ -181,7 +181,7 @@ def test_pages_have_every_folder_and_every_hold():
     folders = [m.name for m in pkgutil.iter_modules(package.__path__) if m.ispkg]
     assert [name for name in folders if f"`{name}/`" not in text] == []
     text = (ROOT / "docs" / "autopilots.md").read_text(encoding="utf-8")
-    assert [n for n in holds.__all__ if f"| `{n}` |" not in text] == []
+    assert [n for n in HOLDS if f"| `{n}` |" not in text] == []
 
 
 def test_every_published_diagram_is_mapped_to_its_notebook():

@@ -48,7 +48,7 @@ offered = []
 for first in (
     "dir(package)",
     "from pathsim_jsbsim_blocks import *\\nAircraft, fly, PitchHold",
-    "package.control.holds.PitchHold",
+    "from pathsim_jsbsim_blocks.control.holds import PitchHold",
     "import pathsim_jsbsim_blocks.studies",
 ):
     forget()

@@ -74,6 +74,9 @@ def test_a_hold(tree):
     file = tree / "src" / package.__name__ / "control" / "holds" / "lateral.py"
     edit(file, '__all__ = ["', '__all__ = ["BankHold", "')
     file.write_text(f"{file.read_text(encoding='utf-8')}\n\n@fill\n{source.removeprefix('@fill')}")
+    stub = tree / "src" / package.__name__ / "__init__.pyi"
+    line = "from .control.holds.lateral import HeadingHold as HeadingHold\n"
+    edit(stub, line, line.replace("HeadingHold", "BankHold") + line)
     _, said = python(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", *GUARDS)
     # each names a place of step 4
     assert set(re.findall(r"^FAILED .*::(\w+)", said, re.M)) == {

@@ -6,12 +6,12 @@ import subprocess
 import sys
 
 import pytest
+from all_holds import HOLDS
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
-from pathsim_jsbsim_blocks.control import holds
 
-CONTROLLERS = ["DiscretePID", *holds.__all__, "Autopilot"]
+CONTROLLERS = ["DiscretePID", *HOLDS]
 
 
 def run(code, *args):
@@ -33,7 +33,6 @@ sys.modules["jsbsim"] = None
 from pathsim import Connection, Simulation
 from pathsim.blocks import Block, Scope
 import pathsim_jsbsim_blocks as package
-from pathsim_jsbsim_blocks.control import holds
 
 offered = {n: getattr(package, n) for n in package.__all__}
 blocks = {n: o() for n, o in offered.items() if inspect.isclass(o) and issubclass(o, Block)}

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import Any
 
 from pathsim.events import ScheduleList
 
@@ -28,8 +28,8 @@ def polarity_of(name: str, value: Any) -> float:
 class _EdgeSource(Parametric):
     """Source whose output changes at scheduled times, its edges."""
 
-    input_port_labels: ClassVar[dict[str, int]] = {}
-    output_port_labels: ClassVar[dict[str, int]] = {"out": 0}
+    input_port_labels = {}
+    output_port_labels = {"out": 0}
 
     def __len__(self) -> int:
         return 0

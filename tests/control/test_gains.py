@@ -8,6 +8,7 @@ import json
 from fractions import Fraction
 from pathlib import Path
 
+import all_holds
 import numpy as np
 import pytest
 from hand_tuned import DESIGNED, GAINS
@@ -23,7 +24,6 @@ from pathsim_jsbsim_blocks import (
     RollHold,
     YawDamper,
 )
-from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.gain_tables import (
     document_of,
     loop_gains,
@@ -41,7 +41,7 @@ from pathsim_jsbsim_blocks.control.gains import (
 )
 from pathsim_jsbsim_blocks.errors import FileError
 
-HOLDS = [*(getattr(holds, name) for name in holds.__all__), Autopilot]
+HOLDS = [*all_holds.HOLDS.values()]
 PITCH = {"Kp": 0.1, "Ki": 0.1}
 
 

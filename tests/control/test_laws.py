@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 import pytest
+from all_holds import HOLDS
 from equations import (
     ALTITUDE,
     ATTITUDE,
@@ -29,7 +30,6 @@ from equations import (
     seen,
     wander,
 )
-from pathsim_jsbsim_blocks.control.protection import share_of_climb
 
 from pathsim_jsbsim_blocks import (
     AirspeedHold,
@@ -43,8 +43,8 @@ from pathsim_jsbsim_blocks import (
     VerticalSpeedHold,
     YawDamper,
 )
-from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.loops import wrap
+from pathsim_jsbsim_blocks.guidance.protection import share_of_climb
 
 
 @pytest.mark.parametrize("target", [None, 1.0])
@@ -434,9 +434,7 @@ def test_a_mode_goes_on_from_the_reference_of_the_other(wires):
     )
 
 
-@pytest.mark.parametrize(
-    "hold", [*(getattr(holds, name) for name in holds.__all__), Autopilot, DiscretePID]
-)
+@pytest.mark.parametrize("hold", [*HOLDS.values(), DiscretePID])
 def test_a_wire_beyond_the_last_input_changes_nothing(hold):
     # PathSim makes room for any port number that is wired
     block = hold()

@@ -16,7 +16,6 @@ from hand_tuned import GAINS
 from how_many import bounded, first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Scope
-from pathsim_jsbsim_blocks.control.protection import Protection
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
@@ -32,6 +31,7 @@ from pathsim_jsbsim_blocks.control.airspeeds import fastest_airspeed, true_airsp
 from pathsim_jsbsim_blocks.control.gain_tables import loop_gains
 from pathsim_jsbsim_blocks.control.gains import EnvelopeLimits
 from pathsim_jsbsim_blocks.control.loops import SpeedLoop
+from pathsim_jsbsim_blocks.guidance.protection import Protection
 
 T = 1 / 60  # s, of the long sequences; 1/120 s elsewhere
 REFERENCES = ("theta_ref", "h_ref", "phi_ref", "psi_ref", "vc_ref")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import warnings
 
+import all_holds
 import numpy as np
 import pytest
 from flights import STATES, fly, start, step
@@ -24,11 +25,10 @@ from pathsim_jsbsim_blocks import (
     RollHold,
     YawDamper,
 )
-from pathsim_jsbsim_blocks.control import holds
 from pathsim_jsbsim_blocks.control.gains import DesignPoint, GainSchedule
 from pathsim_jsbsim_blocks.flight import level_flight
 
-HOLDS = [*(getattr(holds, name) for name in holds.__all__), Autopilot]
+HOLDS = [*all_holds.HOLDS.values()]
 N = 400
 
 

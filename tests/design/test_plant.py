@@ -7,15 +7,10 @@ import pytest
 
 from pathsim_jsbsim_blocks import Aircraft
 from pathsim_jsbsim_blocks.control.gains import AltitudeGains, AttitudeGains, SpeedGains, YawGains
-from pathsim_jsbsim_blocks.control.loops import (
-    AltitudeLoop,
-    AltitudeState,
-    SpeedLoop,
-    YawLoop,
-    attitude_loop,
-)
+from pathsim_jsbsim_blocks.control.loops import SpeedLoop, YawLoop, attitude_loop
 from pathsim_jsbsim_blocks.design import outer, search
 from pathsim_jsbsim_blocks.design.plant import Plant
+from pathsim_jsbsim_blocks.guidance.climb_loops import AltitudeLoop, AltitudeState
 
 T = 1 / 120
 OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")

@@ -13,11 +13,11 @@ import pytest
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, SinusoidalSource
 from pathsim.events import Schedule
-from pathsim_jsbsim_blocks.flight.recording import recorded_flights, tracks
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, ParameterError, fly
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.scripts.runs import in_real_time
+from pathsim_jsbsim_blocks.tracks.recording import recorded_flights, tracks
 
 # FlightGear's net_fdm.hxx, version 24: version, padding, longitude, latitude (rad), altitude (m),
 # height above ground (m), phi, theta, psi (rad), alpha, beta (rad), big endian

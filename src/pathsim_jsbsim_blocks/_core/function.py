@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from pathsim.blocks import Function
 from pathsim.optim.operator import Operator
 
 from .parameters import Parametric
+from .pathsim_types import Function
 
 # relative to an input's value, and the least
 _STEP = 1e-6

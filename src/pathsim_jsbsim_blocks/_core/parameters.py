@@ -19,11 +19,10 @@ from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from pathsim.blocks import Block
-
 from .callers import keep_warnings_visible
 from .checks import did_you_mean, nearest_ports, refuse, refuse_unknown
 from .pathsim_internals import NamedRegister, port_names
+from .pathsim_types import Block
 from .ports import label
 
 # the value for a parameter, from its name and what was given
@@ -99,9 +98,9 @@ class Parametric(Block):
         keep_warnings_visible()
         super().set_solver(Solver, parent, **solver_args)
 
-    if not TYPE_CHECKING:  # checkers that see it take any attribute
+    if not TYPE_CHECKING:  # checkers would take any attribute for one that can be set
 
-        def __setattr__(self, name, value):
+        def __setattr__(self, name: str, value: Any) -> None:
             if name in self.__dataclass_fields__ and self._built:
                 self.change({name: value})
             else:

@@ -34,7 +34,6 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 from weakref import WeakKeyDictionary
 
-from pathsim.blocks import Block
 from pathsim.events import Event, Schedule
 from pathsim.exceptions import LinearizationError
 
@@ -43,6 +42,7 @@ from .checks import number, positive, refuse
 from .continuous import Matrices, continuous_equivalent
 from .parameters import Parametric
 from .pathsim_internals import WiredRegister, show, values
+from .pathsim_types import Block
 
 # s; catches typos such as T=1e-9
 SHORTEST_PERIOD = 1e-6
@@ -415,7 +415,7 @@ class SampledLaw(Parametric, SampledBlock):
 
     def begin(self) -> None:
         SampledBlock.__init__(self, self.T)
-        names = self.input_port_labels and dict(self.input_port_labels)
+        names = dict(self.input_port_labels) if self.input_port_labels else None
         self.inputs = WiredRegister(len(self.inputs), names)
         self.clock.now = 0, None, self.initial_state()
 

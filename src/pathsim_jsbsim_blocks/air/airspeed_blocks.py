@@ -11,9 +11,8 @@ from inspect import cleandoc
 from textwrap import indent
 from typing import Any, ClassVar
 
-import pathsim_flight.utils as flight
-
 from . import airspeed
+from . import pathsim_flight_types as flight
 from .atmosphere_blocks import AirDataBlock
 
 # quantities by the names of their ports

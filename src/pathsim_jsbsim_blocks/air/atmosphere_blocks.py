@@ -7,14 +7,13 @@ from itertools import pairwise
 from math import sqrt
 from typing import Any
 
-import pathsim_flight.atmosphere as flight
-
 from .._core.callers import warn_user
 from .._core.checks import finite, one_of, refuse
 from .._core.function import NamedFunction
 from .._core.parameters import parameter
 from .._core.pathsim_internals import values
 from ..errors import FlightError, ParameterError
+from . import pathsim_flight_types as flight
 from .atmosphere import (
     A0,
     ALTITUDE_KINDS,
@@ -69,7 +68,7 @@ class AirDataBlock(NamedFunction):
             ) from error
 
     def function(self, *inputs: float) -> Any:
-        return self._eval(*inputs)
+        return self._eval(*inputs)  # type: ignore[attr-defined]  # of the subclass
 
     def _isa(self, altitude: float, temp_deviation: float = 0.0) -> Air:
         if not self._low <= altitude <= self._high:

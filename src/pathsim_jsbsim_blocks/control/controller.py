@@ -110,6 +110,7 @@ class Hold(SampledLaw):
     """
 
     START: ClassVar[Any]
+    gains: Any
     reference = "increment"
     _warned_of: frozenset[str] = frozenset()  # ports and parameters
 

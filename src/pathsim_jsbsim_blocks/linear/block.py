@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pathsim.blocks import StateSpace
 from pathsim.optim.operator import DynamicOperator
 
 from .._core.checks import must_be, refuse
 from .._core.parameters import Parametric
 from .._core.pathsim_internals import NamedRegister
+from .._core.pathsim_types import StateSpace
 from .model import LinearModel
 
 

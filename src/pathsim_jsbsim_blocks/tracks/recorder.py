@@ -6,7 +6,7 @@ import datetime
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from pathsim.blocks import Scope
 
@@ -82,7 +82,7 @@ class FlightRecorder(Parametric, Scope):
     type_name = "Scope"
 
     input_port_labels = {name: i for i, name in enumerate(POSITION)}
-    output_port_labels: ClassVar[dict[str, int]] = {}
+    output_port_labels = {}
     # inputs that must be connected
     places = tuple(POSITION)
 

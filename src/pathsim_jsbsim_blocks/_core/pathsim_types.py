@@ -1,0 +1,63 @@
+"""PathSim's classes as type checkers see them.
+
+PathSim has no types. Below a base of unknown type a dataclass would take any keyword, and checkers
+would report no misspelt parameter.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    class Block:
+        """What the blocks of this package and their users use of `pathsim.blocks.Block`."""
+
+        input_port_labels: Mapping[str, int] | None
+        output_port_labels: Mapping[str, int] | None
+        linearizable: bool
+        inputs: Any
+        outputs: Any
+        events: Any
+        engine: Any
+        op_alg: Any
+        op_dyn: Any
+
+        def __init__(self) -> None: ...
+        def __len__(self) -> int: ...
+        def __bool__(self) -> bool: ...
+        def __getitem__(self, key: Any) -> Any: ...
+        @classmethod
+        def info(cls) -> dict[str, Any]: ...
+        def on(self) -> None: ...
+        def off(self) -> None: ...
+        def reset(self) -> None: ...
+        def update(self, t: float) -> None: ...
+        def sample(self, t: float, dt: float) -> None: ...
+        def linearize(self, t: float) -> None: ...
+        def to_statespace(self, t: float) -> Any: ...
+        def set_solver(self, Solver: Any, parent: Any, **solver_args: Any) -> None: ...
+        def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]: ...
+        def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None: ...
+
+    class Function(Block):
+        def __init__(self, func: Any) -> None: ...
+
+    class StateSpace(Block):
+        A: Any
+        B: Any
+        C: Any
+        D: Any
+
+        def __init__(self, A: Any, B: Any, C: Any, D: Any) -> None: ...
+
+    class Scope(Block):
+        def __init__(self, **parameters: Any) -> None: ...
+        def read(self) -> Any: ...
+
+else:
+    from pathsim.blocks import Block as Block
+    from pathsim.blocks import Function as Function
+    from pathsim.blocks import Scope as Scope
+    from pathsim.blocks import StateSpace as StateSpace
