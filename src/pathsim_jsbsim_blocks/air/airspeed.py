@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from .._core.checks import finite, must_be, refuse
-from .atmosphere import A0, P0, Air, positive_finite, pressure_altitude
+from .atmosphere import A0, P0, Air, AltitudeKind, positive_finite, pressure_altitude
 
 RAYLEIGH = 1.2**3.5 * (6 / 7) ** 2.5  # of qc/p + 1 = RAYLEIGH x (1 - 1/(7 x))^-2.5, x = M^2
 SONIC = 1.2**3.5 - 1  # qc/p at Mach 1, in both formulas
@@ -161,7 +161,7 @@ def dynamic_pressure(mach: Any, air: Air) -> Any:
     return 0.7 * air.pressure * (mach * mach)
 
 
-def crossover_altitude(cas: Any, mach: Any, altitude_kind: str = "geometric") -> Any:
+def crossover_altitude(cas: Any, mach: Any, altitude_kind: AltitudeKind = "geometric") -> Any:
     """Altitude in m at which a CAS in m/s and a Mach number are the same speed.
 
     A climb at constant CAS changes to constant Mach there: above, the CAS would exceed the Mach

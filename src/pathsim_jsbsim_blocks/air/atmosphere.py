@@ -16,7 +16,7 @@ from bisect import bisect_right
 from collections import namedtuple
 from functools import partial
 from sys import float_info
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -37,7 +37,8 @@ _MOST = float_info.max
 # K/m: so small that it changes no temperature, and log1p is linear
 ISOTHERMAL = 1e-20
 
-ALTITUDE_KINDS = ("geometric", "geopotential")
+AltitudeKind = Literal["geometric", "geopotential"]
+ALTITUDE_KINDS = get_args(AltitudeKind)
 
 
 class Layer(NamedTuple):
@@ -230,7 +231,7 @@ class Air(namedtuple("Air", ["pressure", "temperature"])):
 unchecked_air = partial(tuple.__new__, Air)  # skips the checks
 
 
-def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: str = "geometric") -> Air:
+def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: AltitudeKind = "geometric") -> Air:
     """Air of the International Standard Atmosphere at an altitude.
 
     The temperature deviation shifts the temperature but not the pressure. This is the convention
@@ -275,7 +276,7 @@ def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: str = "geometri
     return unchecked_air(air(altitude, temp_deviation, geometric))
 
 
-def pressure_altitude(pressure: Any, altitude_kind: str = "geometric") -> Any:
+def pressure_altitude(pressure: Any, altitude_kind: AltitudeKind = "geometric") -> Any:
     """Altitude in m at which the standard atmosphere has the given static pressure in Pa.
 
     The inverse of ``isa(altitude).pressure``. Pressure altitude, and therefore a flight level, is
@@ -289,7 +290,7 @@ def pressure_altitude(pressure: Any, altitude_kind: str = "geometric") -> Any:
     return _altitude_of("pressure", pressure, altitude_kind)
 
 
-def density_altitude(density: Any, altitude_kind: str = "geometric") -> Any:
+def density_altitude(density: Any, altitude_kind: AltitudeKind = "geometric") -> Any:
     """Altitude in m at which the standard atmosphere has the given density in kg/m3.
 
     The inverse of ``isa(altitude).density``. At a pressure altitude and a temperature deviation
@@ -303,7 +304,7 @@ def density_altitude(density: Any, altitude_kind: str = "geometric") -> Any:
     return _altitude_of("density", density, altitude_kind)
 
 
-def _altitude_of(quantity: str, value: Any, altitude_kind: str) -> Any:
+def _altitude_of(quantity: str, value: Any, altitude_kind: AltitudeKind) -> Any:
     one_of("altitude_kind", altitude_kind, ALTITUDE_KINDS)
     (x,) = positive_finite(**{quantity: value})
     base, temperature, at_base, lapse_rate, exponent = _COLUMNS

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
-from typing import Any
+from typing import Any, Literal, get_args
 
 from .._core.callers import warn_user
 from .._core.checks import finite, one_of, refuse
@@ -24,13 +24,15 @@ from .atmosphere import (
     LIMITS,
     P0,
     Air,
+    AltitudeKind,
     R,
     pressure_temperature,
     unchecked_air,
     viscosity,
 )
 
-OUT_OF_RANGE = ("extrapolate", "clamp", "error")
+OutOfRange = Literal["extrapolate", "clamp", "error"]
+OUT_OF_RANGE = get_args(OutOfRange)
 
 
 @dataclass(eq=False, repr=False)
@@ -40,8 +42,8 @@ class AirDataBlock(NamedFunction):
     Subclasses define their ports and ``_eval``, which takes the inputs in the order of the ports.
     """
 
-    altitude_kind: str = parameter("geometric", one_of, choices=ALTITUDE_KINDS)
-    out_of_range: str = parameter("extrapolate", one_of, choices=OUT_OF_RANGE)
+    altitude_kind: AltitudeKind = parameter("geometric", one_of, choices=ALTITUDE_KINDS)
+    out_of_range: OutOfRange = parameter("extrapolate", one_of, choices=OUT_OF_RANGE)
 
     def begin(self) -> None:
         super().begin()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from .._core.callers import warn_user
 from .._core.checks import must_be, number, one_of
@@ -10,6 +10,9 @@ from .._core.docstrings import filler
 from .._core.sampling import SampledLaw
 from .gain_tables import loop_gains, schedule_of
 from .loops import HeadingLoop, Reference, ReferenceLoop, attitude_loop
+
+# what a wired reference port is
+ReferenceKind = Literal["increment", "absolute"]
 
 # largest increment, or lower and upper
 Authority = float | tuple[float, float]
@@ -111,7 +114,7 @@ class Hold(SampledLaw):
 
     START: ClassVar[Any]
     gains: Any
-    reference = "increment"
+    reference: ReferenceKind = "increment"
     _warned_of: frozenset[str] = frozenset()  # ports and parameters
 
     def initial_state(self) -> Any:

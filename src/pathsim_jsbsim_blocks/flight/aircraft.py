@@ -25,7 +25,7 @@ from .block import FlightBlock, Read, Write
 from .channels import Channel, port_channel, unit_of
 from .flightgear import address
 from .property_ports import behind
-from .trimming.condition import TrimCondition
+from .trimming.condition import Mode, Solver, TrimCondition
 
 # of a normalised command, -1 to 1
 _STOP_TO_STOP = 2.0
@@ -199,7 +199,7 @@ class Aircraft(FlightBlock):
     gamma: float = 0.0
     heading: float = 0.0
     bank: float = 0.0
-    mode: str = "full"
+    mode: Mode = "full"
     gear: float | None = None
     flaps: float | None = None
     T: float = parameter(1 / 120, positive)
@@ -221,7 +221,7 @@ class Aircraft(FlightBlock):
     output_properties: Sequence[str] | None = None
     sink_max: float = parameter(15.0, number, low=0.0, infinite=True)
     scrape_max: float = parameter(0.0, number, low=0.0, infinite=True)
-    solver: str | None = None
+    solver: Solver | None = None
 
     input_port_labels = numbered("elevator aileron rudder throttle wind_north wind_east wind_down")
     output_port_labels = {name: i for i, name in enumerate(OUTPUTS)}

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from math import inf, isfinite, nan
 from threading import get_ident
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import jsbsim
 import numpy as np
@@ -199,7 +199,7 @@ class FlightBlock(Parametric, SampledPlant):
 
     def linear_model(
         self,
-        method: str = "flown",
+        method: Literal["flown", "algebraic"] = "flown",
         inputs: Sequence[str] | None = None,
         outputs: Sequence[str] | None = None,
         amplitude: Mapping[str, float] | None = None,

@@ -11,7 +11,7 @@ from .._core.pathsim_internals import port_names
 from .block import FlightBlock, Read, Write
 from .channels import Channel, unit_of
 from .flightgear import address
-from .trimming.condition import TrimCondition
+from .trimming.condition import Mode, TrimCondition
 
 _ROUNDING = 1e-9  # of a search that ends at 0
 
@@ -134,7 +134,7 @@ class JSBSimFDM(FlightBlock):
     trim_altitude: float = 1000
     trim_gamma: float = 0
     trim_heading: float = 0.0
-    trim_mode: str = "full"
+    trim_mode: Mode = "full"
     gear: float | None = None
     flaps: float | None = None
     condition: TrimCondition | None = None

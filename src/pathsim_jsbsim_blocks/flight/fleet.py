@@ -11,7 +11,7 @@ from ..errors import AircraftError, TrimError
 from .airframe import Airframe
 from .model_files import has_retractable_gear
 from .trimming import TrimState, trim
-from .trimming.condition import TrimCondition
+from .trimming.condition import Solver, TrimCondition
 from .trimming.nearest import level_speed
 
 # (altitude in ft, lift coefficient): the first suits most aircraft, the second engines that are
@@ -45,7 +45,7 @@ class LevelFlight:
 
 
 def level_flight(
-    aircraft: str, root: str | None = None, tries: int = len(TRIES), solver: str | None = None
+    aircraft: str, root: str | None = None, tries: int = len(TRIES), solver: Solver | None = None
 ) -> LevelFlight:
     """Find a sensible condition of straight and level flight, or of the glide of a glider.
 

@@ -6,7 +6,7 @@ What is imported from there is imported when it is asked for.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def linear_model(
     aircraft: str,
     condition: TrimCondition | None = None,
-    method: str = "flown",
+    method: Literal["flown", "algebraic"] = "flown",
     inputs: Sequence[str] | None = None,
     outputs: Sequence[str] | None = None,
     amplitude: Mapping[str, float] | None = None,

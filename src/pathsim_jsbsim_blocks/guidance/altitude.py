@@ -8,7 +8,7 @@ from typing import NamedTuple
 from .._core.checks import number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
-from ..control.controller import Authority, authority_limits, reference_kind
+from ..control.controller import Authority, ReferenceKind, authority_limits, reference_kind
 from ..control.gains import Gains
 from ..control.loops import ReferenceState
 from .climb_loops import SpeedOnPitchLoop
@@ -79,7 +79,7 @@ class AltitudeHold(GuidedHold):
     theta_max: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    reference: str = parameter("increment", reference_kind)
+    reference: ReferenceKind = parameter("increment", reference_kind)
     alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
 
     measured = ("h", "hdot", "theta", "q")
@@ -163,7 +163,7 @@ class VerticalSpeedHold(GuidedHold):
     theta_max: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    reference: str = parameter("increment", reference_kind)
+    reference: ReferenceKind = parameter("increment", reference_kind)
     alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
 
     measured = ("h", "hdot", "theta", "q")
@@ -246,7 +246,7 @@ class SpeedOnPitchHold(GuidedHold):
     theta_max: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    reference: str = parameter("increment", reference_kind)
+    reference: ReferenceKind = parameter("increment", reference_kind)
     alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
 
     measured = ("vc", "h", "hdot", "theta", "q")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from .._core.checks import heading, number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
-from ..control.controller import Authority, authority_limits, reference_kind
+from ..control.controller import Authority, ReferenceKind, authority_limits, reference_kind
 from ..control.gains import Gains
 from ..control.loops import (
     HeadingLoop,
@@ -177,7 +177,7 @@ class Autopilot(GuidedHold):
     rudder_authority: Authority = parameter(1.0, authority_limits)
     throttle_authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    reference: str = parameter("increment", reference_kind)
+    reference: ReferenceKind = parameter("increment", reference_kind)
     alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
     hdot_ref: float | None = parameter(None, optional)
     thr_ref: float | None = parameter(None, optional)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from typing import Literal
 
 import numpy as np
 
@@ -121,7 +122,7 @@ class LinearAircraft(LinearModelBlock):
     condition: TrimCondition | None = None
     setup: Mapping[str, float] | None = None
     properties: Mapping[str, float] | None = None
-    method: str = "flown"
+    method: Literal["flown", "algebraic"] = "flown"
     root: str | None = None
     create: Mapping[str, float] | None = None
 

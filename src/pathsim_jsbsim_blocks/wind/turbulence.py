@@ -6,7 +6,7 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from .._core.checks import number, one_of, positive, whole
 from .._core.noise import WhiteNoise
@@ -18,7 +18,8 @@ _DEG = 180.0 / math.pi
 _ROOT3 = math.sqrt(3.0)
 
 # wind at 20 ft, kt: MIL-F-8785C, 3.7.3
-WIND_20FT = {"light": 15.0, "moderate": 30.0, "severe": 45.0}
+Severity = Literal["light", "moderate", "severe"]
+WIND_20FT: dict[str, float] = {"light": 15.0, "moderate": 30.0, "severe": 45.0}
 
 # rms in ft/s by altitude in ft: MIL-F-8785C, figure 7, at probabilities of exceedance of 1e-2, 1e-3
 # and 1e-5; the figure's curves as read off in JSBSim's FGWinds.cpp
@@ -52,7 +53,7 @@ class Field(NamedTuple):
 
 def dryden_field(
     h: float,
-    severity: str = "moderate",
+    severity: Severity = "moderate",
     wind_20ft: float | None = None,
     sigma: float | None = None,
 ) -> Field:
@@ -179,7 +180,7 @@ class Dryden:
         T: float,
         *,
         span: float,
-        severity: str = "moderate",
+        severity: Severity = "moderate",
         wind_20ft: float | None = None,
         sigma: float | None = None,
     ):
@@ -377,7 +378,7 @@ class DrydenTurbulence(SampledLaw):
     MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, 3.7.
     """
 
-    severity: str = "moderate"
+    severity: Severity = "moderate"
     wind_20ft: float | None = None
     sigma: float | None = None
     span: float = parameter(35.8, _span)

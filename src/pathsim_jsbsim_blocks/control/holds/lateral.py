@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..._core.checks import heading, number, optional, positive
 from ..._core.parameters import parameter
 from ..._core.ports import numbered
-from ..controller import Authority, Hold, authority_limits, fill, reference_kind
+from ..controller import Authority, Hold, ReferenceKind, authority_limits, fill, reference_kind
 from ..gains import Gains
 from ..loops import LateralState, ReferenceLoop, ReferenceState, YawLoop, YawState, attitude_loop
 
@@ -61,7 +61,7 @@ class RollHold(Hold):
     phi_ref: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    reference: str = parameter("increment", reference_kind)
+    reference: ReferenceKind = parameter("increment", reference_kind)
 
     measured = ("phi", "p")
     commands = {"aileron": "off"}
@@ -135,7 +135,7 @@ class HeadingHold(Hold):
     bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    reference: str = parameter("increment", reference_kind)
+    reference: ReferenceKind = parameter("increment", reference_kind)
 
     measured = ("psi", "phi", "p")
     commands = {"aileron": "off"}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ..._core.checks import optional, positive
 from ..._core.parameters import parameter
-from ..controller import Authority, Hold, authority_limits, fill, reference_kind
+from ..controller import Authority, Hold, ReferenceKind, authority_limits, fill, reference_kind
 from ..gains import Gains
 from ..loops import ReferenceLoop, ReferenceState, SpeedLoop, attitude_loop
 
@@ -64,7 +64,7 @@ class PitchHold(Hold):
     theta_ref: float | None = parameter(None, optional, low=-90.0, high=90.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    reference: str = parameter("increment", reference_kind)
+    reference: ReferenceKind = parameter("increment", reference_kind)
 
     measured = ("theta", "q")
     commands = {"elevator": "off"}
@@ -143,7 +143,7 @@ class AirspeedHold(Hold):
     vc_ref: float | None = parameter(None, optional, above=0.0)
     authority: Authority = parameter(1.0, authority_limits)
     T: float = parameter(1 / 120, positive)
-    reference: str = parameter("increment", reference_kind)
+    reference: ReferenceKind = parameter("increment", reference_kind)
 
     measured = ("vc", "hdot")
     commands = {"throttle": "off"}

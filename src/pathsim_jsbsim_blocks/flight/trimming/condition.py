@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn, get_args
 
 import numpy as np
 
@@ -14,7 +14,9 @@ from ..._core.checks import flag, known_keywords, mapping, must_be, number, one_
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
 
-SOLVERS = ("jsbsim", "newton")
+Mode = Literal["full", "longitudinal", "turn", "pull-up", "ground", "glide", "none"]
+Solver = Literal["jsbsim", "newton"]
+SOLVERS = get_args(Solver)
 
 # ft; without a trim, where JSBSim flies above the air too
 _HIGHEST = 1e6
@@ -169,7 +171,7 @@ class TrimCondition:
     heading: float = 0.0
     bank: float = 0.0
     load_factor: float = 1.0
-    mode: str = "full"
+    mode: Mode = "full"
     gear: float | None = None
     flaps: float | None = None
     alpha_min: float | None = None
@@ -186,7 +188,7 @@ class TrimCondition:
     free: str | None = None
     latitude: float | None = None
     longitude: float | None = None
-    solver: str | None = None
+    solver: Solver | None = None
     engines_off: tuple[int, ...] | list[int] | str = ()
     coordinated: bool = False
 
