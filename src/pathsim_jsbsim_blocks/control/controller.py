@@ -146,7 +146,7 @@ class Hold(SampledLaw):
             return
         place = self._schedule.place(vc, h)
         for name, loop in self._following.items():
-            loop.retune(*self._schedule.numbers(name, place))
+            loop.retune(self._schedule.gains_at(name, place))
         self._tuned_for[:] = vc, h
 
     def lateral_loops(self) -> tuple[HeadingLoop, ReferenceLoop]:

@@ -343,12 +343,10 @@ class GainSchedule:
             if (point.altitude, point.speed) == (h, vc):
                 return point.gains
         place = self.place(vc, h)
-        return AircraftGains(
-            **{loop: LOOPS[loop](*self.numbers(loop, place)) for loop in self._numbers}
-        )
+        return AircraftGains(**{loop: self.gains_at(loop, place) for loop in self._numbers})
 
     def place(self, vc: float, h: float | None = None) -> Place:
-        """Where an airspeed and altitude are among the points, for `numbers`.
+        """Where an airspeed and altitude are among the points, for `gains_at`.
 
         Without an altitude it is the nominal point's; at an airspeed of 0 the nominal point.
         """
@@ -358,17 +356,19 @@ class GainSchedule:
         below, above, up = _between(altitudes, self._nominal_altitude if h is None else h)
         return (*_on(levels[below], vc), *_on(levels[above], vc), up)
 
-    def numbers(self, loop: str, place: Place) -> list[float]:
-        """The numbers of a loop at a place, in the order of its fields."""
+    def gains_at(self, loop: str, place: Place) -> Any:
+        """The gains of a loop at a place; between checked numbers, so they are not checked."""
         slower, faster, along, slower_above, faster_above, along_above, up = place
         rows = self._numbers[loop]
         corners = zip(
             rows[slower], rows[faster], rows[slower_above], rows[faster_above], strict=True
         )
-        return [
-            (low := a + along * (b - a)) + up * (c + along_above * (d - c) - low)
-            for a, b, c, d in corners
-        ]
+        gains = object.__new__(LOOPS[loop])
+        gains.__dict__.update(
+            (name, (low := a + along * (b - a)) + up * (c + along_above * (d - c) - low))
+            for name, (a, b, c, d) in zip(LOOPS[loop].__dataclass_fields__, corners, strict=True)
+        )
+        return gains
 
     @functools.cached_property
     def _nominal_altitude(self) -> float:

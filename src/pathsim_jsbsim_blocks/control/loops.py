@@ -52,9 +52,9 @@ class ReferenceLoop:
         self.ramp = ramp  # largest rate of the reference, unit per s
         self.sign = sign  # -1 where a positive actuator command lowers the measured value
 
-    def retune(self, Kp: float, Ki: float, Kr: float, b: float, ramp: float) -> None:
-        self.pid.retune(Kp, Ki, Kr=Kr, b=b)
-        self.ramp = ramp
+    def retune(self, gains: AttitudeGains) -> None:
+        self.pid.retune(gains.Kp, gains.Ki, Kr=gains.Kr, b=gains.b)
+        self.ramp = gains.ramp
 
     @staticmethod
     def reference(state: ReferenceState, y: float) -> float:
@@ -156,9 +156,9 @@ class HeadingLoop:
         self._share = -math.expm1(-T / self.RATE)
         self._learning = -math.expm1(-T / self.STRAIGHT)
 
-    def retune(self, Kp: float, Ki: float, bank: float) -> None:
-        self.pid.retune(Kp, Ki)
-        self.bank = bank
+    def retune(self, gains: HeadingGains) -> None:
+        self.pid.retune(gains.Kp, gains.Ki)
+        self.bank = gains.bank
 
     def lag(self, speed: float) -> float:
         """Time constant of a coordinated turn onto a heading at a speed in ft/s, s."""
@@ -229,12 +229,12 @@ class SpeedLoop:
         low, high = authority
         self.pid = PID(T, low=low, high=high, carry=carry)
         self.loop = ReferenceLoop(self.pid, gains.ramp)
-        self.retune(*vars(gains).values())
+        self.retune(gains)
 
-    def retune(self, *gains: float) -> None:
-        """Take gains, in the order of `SpeedGains`."""
-        Kp, Ki, Kd, Tf, b, self.loop.ramp, self.Kc, self.loop.band = gains
-        self.pid.retune(Kp, Ki, Kd=Kd, b=b, Tf=Tf)
+    def retune(self, gains: SpeedGains) -> None:
+        self.pid.retune(gains.Kp, gains.Ki, Kd=gains.Kd, b=gains.b, Tf=gains.Tf)
+        self.loop.ramp, self.loop.band = gains.ramp, gains.band
+        self.Kc = gains.Kc
 
     def sample(
         self,
@@ -289,12 +289,11 @@ class YawLoop:
     def __init__(self, T: float, gains: YawGains, authority: tuple[float, float]):
         self.T = T
         self.low, self.high = authority
-        self.retune(*vars(gains).values())
+        self.retune(gains)
 
-    def retune(self, *gains: float) -> None:
-        """Take gains, in the order of `YawGains`."""
-        self.K, tau, self.Kp, self.Ki, self.Kroll, self.Kbank = gains
-        self._fade = math.exp(-self.T / tau)
+    def retune(self, gains: YawGains) -> None:
+        self.gains = gains
+        self._fade = math.exp(-self.T / gains.tau)
 
     def sample(
         self,
@@ -306,20 +305,21 @@ class YawLoop:
         phi: float,
     ) -> tuple[float, YawState]:
         """Rudder increment and next state, from rates in deg/s and angles in deg."""
+        gains = self.gains
         engaged, slow, u, integral = state
         if off:
             u *= self._fade
             return u, YawState(u=u)
-        turn = self.Kroll * p + self.Kbank * DEGREES * math.sin(RADIANS * phi)
+        turn = gains.Kroll * p + gains.Kbank * DEGREES * math.sin(RADIANS * phi)
         if not engaged:
-            slow = r - u / self.K if self.K else r
-            integral = self.Kp * beta - turn
-        v = self.K * (r - slow) - (self.Kp * beta - integral) + turn
+            slow = r - u / gains.K if gains.K else r
+            integral = gains.Kp * beta - turn
+        v = gains.K * (r - slow) - (gains.Kp * beta - integral) + turn
         u = clip(v, self.low, self.high)
-        if self.Ki == 0.0 or beta == 0.0:
+        if gains.Ki == 0.0 or beta == 0.0:
             integral *= self._fade
         else:
-            change = -self.Ki * self.T * beta
+            change = -gains.Ki * self.T * beta
             # where the rudder is at its limit the integral may only come back from it
             if change * (v - u) <= 0.0:
                 integral += change

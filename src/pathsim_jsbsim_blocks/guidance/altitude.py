@@ -97,10 +97,10 @@ class AltitudeHold(GuidedHold):
         self.retune(vc, h)
         vertical, idle = self.vertical, off != 0.0
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
-        allowed, guard = vertical.guard(state, now, vc, True)
+        allowed, guard = vertical.guard(state, now, vc, full_throttle=True)
         reference = self.wanted("h_ref", h_ref, h)
         wanted, hdot_cmd, altitude, _ = vertical.for_climb(
-            *(state, now, allowed, ClimbState(), 0.0), (None, 0.0), reference, idle
+            state, now, allowed, reference=reference, idle=idle
         )
         elevator, theta_cmd, pitch, cut = vertical.fly(state, now, allowed, wanted)
         return [elevator, theta_cmd, hdot_cmd], VerticalState(altitude, pitch, guard, cut)
@@ -182,10 +182,15 @@ class VerticalSpeedHold(GuidedHold):
         vertical, idle = self.vertical, off != 0.0
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
         before = state.vertical
-        allowed, guard = vertical.guard(before, now, vc, True)
+        allowed, guard = vertical.guard(before, now, vc, full_throttle=True)
         asked, reference = self.wanted("hdot_ref", hdot_ref), self.wanted("h_ref", h_ref, h)
         wanted, hdot_cmd, altitude, climb = vertical.for_climb(
-            before, now, allowed, state.climb, 1.0, asked, reference, idle
+            *(before, now, allowed),
+            reference=reference,
+            idle=idle,
+            before=state.climb,
+            mode=1.0,
+            asked=asked,
         )
         elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
         outputs = [elevator, theta_cmd, hdot_cmd, float(climb.captured)]
@@ -270,7 +275,7 @@ class SpeedOnPitchHold(GuidedHold):
         vertical, idle = self.vertical, off != 0.0
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
         before = state.vertical
-        allowed, guard = vertical.guard(before, now, vc, True)
+        allowed, guard = vertical.guard(before, now, vc, full_throttle=True)
         wanted, keeps = self.speed.loop.towards(state.speed, vc, self.wanted("vc_ref", vc_ref, vc))
         wanted = self.airspeed_within(allowed, wanted, vc)
         off = idle or state.climb.captured
@@ -279,7 +284,12 @@ class SpeedOnPitchHold(GuidedHold):
         )
         reference = self.wanted("h_ref", h_ref, h)
         wanted, hdot_cmd, altitude, climb = vertical.for_climb(
-            before, now, allowed, state.climb, 1.0, (rate, 0.0), reference, idle
+            *(before, now, allowed),
+            reference=reference,
+            idle=idle,
+            before=state.climb,
+            mode=1.0,
+            asked=(rate, 0.0),
         )
         elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
         outputs = [elevator, theta_cmd, hdot_cmd, float(climb.captured), vc_cmd]

@@ -300,7 +300,7 @@ class GlideslopeHold(GuidedHold):
 
         vertical, before, idle = self.vertical, state.vertical, off != 0.0
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
-        allowed, guard = vertical.guard(before, now, vc, True)
+        allowed, guard = vertical.guard(before, now, vc, full_throttle=True)
         found, error = vertical.altitude.error(before.altitude, h, (None, 0.0))
         level = vertical.altitude.climb_rate(error)
         descent, lower = self._descent(above, speed or 0.0, level)

@@ -28,6 +28,41 @@ from .protection import Allowed, share_of_climb
 from .vertical import ClimbState, Motion, Vertical, VerticalState
 
 
+class AutopilotInputs(NamedTuple):
+    """Inputs of an `Autopilot` at one sample, in the order of its ports."""
+
+    theta: float
+    phi: float
+    psi: float
+    p: float
+    q: float
+    r: float
+    h: float
+    hdot: float
+    vc: float
+    theta_ref: float
+    h_ref: float
+    phi_ref: float
+    psi_ref: float
+    vc_ref: float
+    pitch_mode: float
+    roll_mode: float
+    pitch_off: float
+    roll_off: float
+    speed_off: float
+    yaw_off: float
+    elev_sat: float
+    ail_sat: float
+    thr_sat: float
+    alpha: float
+    beta: float
+    v_mode: float
+    hdot_ref: float
+    thr_ref: float
+    h_agl: float
+    vt: float
+
+
 class LeverState(NamedTuple):
     """State of a throttle that is given."""
 
@@ -185,11 +220,7 @@ class Autopilot(GuidedHold):
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
     # an aircraft may have its own yaw damper
     commands = {"elevator": "pitch_off", "aileron": "roll_off", "throttle": "speed_off"}
-    input_port_labels = numbered(
-        "theta phi psi p q r h hdot vc theta_ref h_ref phi_ref psi_ref vc_ref pitch_mode "
-        "roll_mode pitch_off roll_off speed_off yaw_off elev_sat ail_sat thr_sat alpha beta "
-        "v_mode hdot_ref thr_ref h_agl vt"
-    )
+    input_port_labels = numbered(" ".join(AutopilotInputs._fields))
     output_port_labels = numbered(
         "elevator aileron rudder throttle theta_cmd phi_cmd vc_cmd hdot_cmd captured"
     )
@@ -216,68 +247,94 @@ class Autopilot(GuidedHold):
         self.follows(speed=self.speed, **lateral, **self.vertical.loops)
 
     def law(self, u: list[float], state: AutopilotState) -> tuple[list[float], AutopilotState]:
-        theta, phi, psi, p, q, r, h, hdot, vc, theta_ref, h_ref, phi_ref, psi_ref, vc_ref = u[:14]
-        pitching, rolling, pitch_off, roll_off, speed_off, yaw_off = [x != 0.0 for x in u[14:20]]
-        elev_sat, ail_sat, thr_sat, alpha, beta, v_mode, hdot_ref, thr_ref, h_agl, vt = u[20:30]
+        now = AutopilotInputs(*u[:30])
+        h, hdot, vc, alpha = now.h, now.hdot, now.vc, now.alpha
+        pitching, rolling = now.pitch_mode != 0.0, now.roll_mode != 0.0
+        pitch_off, roll_off = now.pitch_off != 0.0, now.roll_off != 0.0
+        speed_off, yaw_off = now.speed_off != 0.0, now.yaw_off != 0.0
         self.retune(vc, h)
         vertical, before = self.vertical, state.vertical
-        now = Motion(theta, q, h, hdot, vc, alpha, pitch_off, elev_sat)
-        mode = 0.0 if pitching else v_mode
+        motion = Motion(now.theta, now.q, h, hdot, vc, alpha, pitch_off, now.elev_sat)
+        mode = 0.0 if pitching else now.v_mode
         captured = mode == state.climb.mode and state.climb.captured
         on_pitch = mode == 2.0 and not captured and not pitch_off
 
         # the loop of the throttle and that of the elevator hold one airspeed
         held = state.pitched if state.pitched.law.engaged else state.speed
         vc_cmd = self.speed.loop.reference(held, vc)
-        full, eases = thr_sat > 0.0, mode == 0.0 or captured
-        signals = full, vc_cmd, pitching, phi, h_agl, eases
-        allowed, guard = vertical.guard(before, now, vc, *signals)
-        wanted, keeps = self.speed.loop.towards(held, vc, self.wanted("vc_ref", vc_ref, vc))
+        allowed, guard = vertical.guard(
+            *(before, motion, vc),
+            full_throttle=now.thr_sat > 0.0,
+            vc_cmd=vc_cmd,
+            hold_pitch=pitching,
+            phi=now.phi,
+            h_agl=now.h_agl,
+            eases=mode == 0.0 or captured,
+        )
+        wanted, keeps = self.speed.loop.towards(held, vc, self.wanted("vc_ref", now.vc_ref, vc))
         wanted = self.airspeed_within(allowed, wanted, vc)
         throttle, vc_cmd, speed = self.speed.sample(
-            *(state.speed, vc, hdot, wanted, keeps, thr_sat, speed_off or on_pitch),
-            *(allowed.boost, allowed.feed),
+            *(state.speed, vc, hdot, wanted, keeps, now.thr_sat, speed_off or on_pitch),
+            boost=allowed.boost,
+            feed=allowed.feed,
         )
-        asked, given, pitched = self.wanted("hdot_ref", hdot_ref), None, ReferenceLoop.START
+        asked, given, pitched = self.wanted("hdot_ref", now.hdot_ref), None, ReferenceLoop.START
         if on_pitch:
             rate, vc_cmd, pitched = self.on_pitch.sample(
                 state.pitched, vc, h, hdot, wanted, keeps, before.altitude.cut, False
             )
-            asked, given = (rate, 0.0), None if speed_off else self._given(thr_ref, allowed, rate)
+            asked = rate, 0.0
+            given = None if speed_off else self._given(now.thr_ref, allowed, rate)
         # what was found at engagement goes along from one loop to the other
         if state.pitched.law.engaged:
             speed = speed._replace(found=held.found)
         elif on_pitch and state.speed.law.engaged:
             pitched = pitched._replace(found=held.found)
-        throttle, speed, lever = self._lever(state, throttle, speed, hdot, thr_sat, given)
+        throttle, speed, lever = self._lever(state, throttle, speed, hdot, now.thr_sat, given)
 
-        protection, idle = vertical.protection(alpha), pitch_off or pitching
-        # the protection's limit of the climb counts the airspeed itself
-        share = 1.0 if protection else share_of_climb(vc, vc_cmd)
-        level = self.wanted("h_ref", h_ref, h)
+        protection = vertical.protection(alpha)
         wanted, hdot_cmd, altitude, climb = vertical.for_climb(
-            before, now, allowed, state.climb, mode, asked, level, idle, share
+            *(before, motion, allowed),
+            reference=self.wanted("h_ref", now.h_ref, h),
+            idle=pitch_off or pitching,
+            before=state.climb,
+            mode=mode,
+            asked=asked,
+            # the protection's limit of the climb counts the airspeed itself
+            share=1.0 if protection else share_of_climb(vc, vc_cmd),
         )
         keeps = False
         if pitching:
-            at = self.wanted("theta_ref", theta_ref)
-            wanted, keeps = vertical.pitch.towards(before.pitch, theta, at)
-        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted, keeps)
+            at = self.wanted("theta_ref", now.theta_ref)
+            wanted, keeps = vertical.pitch.towards(before.pitch, now.theta, at)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, motion, allowed, wanted, keeps)
 
         heading, roll, keeps = *state.lateral, False
-        at, idle = self.wanted("psi_ref", psi_ref), roll_off or rolling
-        bank, heading = self.heading.sample(heading, psi, at, idle, phi, vt)
+        bank, heading = self.heading.sample(
+            *(heading, now.psi, self.wanted("psi_ref", now.psi_ref)),
+            idle=roll_off or rolling,
+            phi=now.phi,
+            vt=now.vt,
+        )
         if rolling:
-            bank, keeps = self.roll.towards(roll, phi, self.wanted("phi_ref", phi_ref))
+            bank, keeps = self.roll.towards(roll, now.phi, self.wanted("phi_ref", now.phi_ref))
         if protection:
-            bank = protection.bank(allowed, guard, bank, phi)
-        aileron, phi_cmd, roll = self.roll.sample(roll, phi, p, bank, keeps, ail_sat, roll_off)
+            bank = protection.bank(allowed, guard, bank, now.phi)
+        aileron, phi_cmd, roll = self.roll.sample(
+            roll, now.phi, now.p, bank, keeps, now.ail_sat, roll_off
+        )
 
-        rudder, yaw = self.yaw.sample(state.yaw, r, yaw_off, beta, p, phi)
+        rudder, yaw = self.yaw.sample(state.yaw, now.r, yaw_off, now.beta, now.p, now.phi)
         outputs = [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd]
-        after = VerticalState(altitude, pitch, guard, cut)
-        lateral = LateralState(heading, roll)
-        state = AutopilotState(after, lateral, speed, yaw, climb, pitched, lever)
+        state = AutopilotState(
+            vertical=VerticalState(altitude, pitch, guard, cut),
+            lateral=LateralState(heading, roll),
+            speed=speed,
+            yaw=yaw,
+            climb=climb,
+            pitched=pitched,
+            lever=lever,
+        )
         return [*outputs, float(climb.captured)], state
 
     def _given(self, thr_ref: float, allowed: Allowed, rate: float) -> Reference:

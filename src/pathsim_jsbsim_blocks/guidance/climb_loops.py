@@ -41,7 +41,7 @@ class AltitudeLoop:
     ):
         self._own_hdot_max, self._own_theta_max = hdot_max, theta_max
         self.pid = PID(T, low=theta_min)
-        self.retune(*vars(gains).values())
+        self.retune(gains)
         if theta_min > self.theta_max:
             whose = " of the gains" if theta_max is None else ""
             refuse(
@@ -51,12 +51,12 @@ class AltitudeLoop:
                 f"{self.theta_max:g} deg",
             )
 
-    def retune(self, Kh: float, Kp: float, Ki: float, hdot_max: float, theta_max: float) -> None:
-        self.Kh = Kh
-        self.pid.retune(Kp, Ki)
+    def retune(self, gains: AltitudeGains) -> None:
+        self.Kh = gains.Kh
+        self.pid.retune(gains.Kp, gains.Ki)
         own_hdot_max, own_theta_max = self._own_hdot_max, self._own_theta_max
-        self.hdot_max = self.sink_max = hdot_max if own_hdot_max is None else own_hdot_max
-        self.theta_max = self.pid.high = theta_max if own_theta_max is None else own_theta_max
+        self.hdot_max = self.sink_max = gains.hdot_max if own_hdot_max is None else own_hdot_max
+        self.theta_max = self.pid.high = gains.theta_max if own_theta_max is None else own_theta_max
 
     def allow(self, theta: float) -> None:
         """Allow this pitch angle at the next sample; only a limit of one's own forbids it."""

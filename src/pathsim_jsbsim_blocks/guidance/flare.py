@@ -289,7 +289,7 @@ class FlareHold(GuidedHold):
         rolls = state.phase == ROLL_OUT or slow
 
         vertical, now = self.vertical, Motion(theta, q, h, hdot, vc, alpha)
-        allowed, guard = vertical.guard(state.vertical, now, 0.0, True)
+        allowed, guard = vertical.guard(state.vertical, now, 0.0, full_throttle=True)
         if rolls and seen.down:
             # on the wheels an angle of attack shows no stall
             allowed = allowed._replace(theta_max=math.inf)

@@ -125,17 +125,15 @@ class Protection:
         self.flies_envelope = envelope is not None
         self.alpha_zero = 0.0
         if envelope:
-            self.retune(*vars(envelope).values())
+            self.retune(envelope)
         self._alpha_filter = -math.expm1(-T / self.RATE)
         self._slow_filter = -math.expm1(-T / self.SLOW)
         self._adapt = -math.expm1(-T / self.ADAPT)
 
-    def retune(self, *limits: float) -> None:
-        """Take limits of the envelope, in the order of `EnvelopeLimits`."""
-        alpha_max, _, self.climb_max, self.descent_max, *others = limits
-        self.vmo, self.mmo, self.alpha_zero, self.lift_max = others
+    def retune(self, limits: EnvelopeLimits) -> None:
+        self.limits, self.alpha_zero = limits, limits.alpha_zero
         if not self._own:
-            self.alpha_max = alpha_max
+            self.alpha_max = limits.alpha_max
 
     def sample(
         self,
@@ -170,13 +168,13 @@ class Protection:
         if not self.flies_envelope:
             return Allowed(theta_max), state
         v, moving, used = state.v, vc > 0.0, self._used(state)
-        vc_max = fastest_airspeed(self.vmo, self.mmo, h)
+        vc_max = fastest_airspeed(self.limits.vmo, self.limits.mmo, h)
         fastest = max(vc_max * per_knot, 1.0)
         # the bank gives way before height is spent on airspeed
         slowest = max(state.airspeed * used**0.5, 1.0)
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
-        sustained = max(state.measured + spare, -self.descent_max)
+        sustained = max(state.measured + spare, -self.limits.descent_max)
         above = h_agl if h_agl > 0.0 else math.inf
         floor = self.DECAY * (self.CLEARANCE - above)
         given = max(floor, min(self.DECAY * (self.TRADED - above), 0.0))
@@ -194,7 +192,7 @@ class Protection:
             eased = max(least, min(state.measured + stiffness * (state.airspeed - kept), 0.0))
             if eased > least:
                 # the throttle makes way for a descent that the airspeed does not allow with it
-                travel = self.climb_max + self.descent_max
+                travel = self.limits.climb_max + self.limits.descent_max
                 feed = clip(self.MAKES_WAY * cut / travel, -1.0, 0.0)
         theta_min = -math.inf
         if hold_pitch:
@@ -246,9 +244,9 @@ class Protection:
 
         available = measured = 0.0
         if self.flies_envelope:
-            most = self.climb_max
+            most = self.limits.climb_max
             # a gust changes the airspeed faster than thrust and drag can
-            excess = clip(hdot + v * acceleration / GRAVITY, -self.descent_max, most)
+            excess = clip(hdot + v * acceleration / GRAVITY, -self.limits.descent_max, most)
             available, measured = most, excess
             if begun:
                 available, measured = state.available, state.measured
@@ -262,8 +260,20 @@ class Protection:
         if full_elevator and stopped > self.STOPPED:
             reach = min(reach, max(alpha, self.alpha_zero + 1.0))
         return ProtectionState(
-            *(True, own, own_rate, gust, v, acceleration, airspeed),
-            *(available, measured, climb, load, level, stopped, reach),
+            known=True,
+            own=own,
+            own_rate=own_rate,
+            gust=gust,
+            v=v,
+            acceleration=acceleration,
+            airspeed=airspeed,
+            available=available,
+            measured=measured,
+            climb=climb,
+            load=load,
+            level=level,
+            stopped=stopped,
+            reach=reach,
         )
 
     def _ahead(self, state: ProtectionState) -> float:
@@ -272,7 +282,7 @@ class Protection:
 
     def _used(self, state: ProtectionState) -> float:
         """Lift of straight and level flight, of the largest that it may take at this airspeed."""
-        largest = self.lift_max * (self.alpha_max - self.alpha_zero)
+        largest = self.limits.lift_max * (self.alpha_max - self.alpha_zero)
         largest = min(largest, (state.reach - self.alpha_zero) / self.MARGIN**2)
         return max(state.level / (largest * state.load), self.LEAST_LIFT)
 
@@ -287,11 +297,11 @@ class Protection:
         # behind the power curve the airspeed takes throttle and descent to recover
         behind = clip((self.DESCENT_REGAINS_BELOW - state.airspeed / slowest) / 0.1, 0.0, 1.0)
         traded = available - stiffness * (self.CLIMB_TRADED_BELOW * wanted - v)
-        most = min(max(traded, -behind * self.descent_max), climb + spare)
+        most = min(max(traded, -behind * self.limits.descent_max), climb + spare)
         rate = state.acceleration + GRAVITY * state.climb / max(v, self.SLOWEST)
         missing = self.BOOST_ENDS_ABOVE * wanted - state.airspeed - self.AHEAD * rate
         boost = clip(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
-        return max(most, -self.descent_max), boost
+        return max(most, -self.limits.descent_max), boost
 
     def _boost(self, state: ProtectionState, boost: float, floor: float, fastest: float) -> float:
         """Throttle to add, or to take above the highest airspeed."""

@@ -41,6 +41,9 @@ class ClimbState(NamedTuple):
     found: float = 0.0  # rate of climb at the beginning, ft/s
 
 
+NO_CLIMB = ClimbState()
+
+
 class Vertical:
     """Elevator for a pitch angle, or for a rate of climb or altitude, within the protection.
 
@@ -63,18 +66,18 @@ class Vertical:
         state: VerticalState,
         now: Motion,
         vc: float,  # the airspeed to protect; 0 for none
-        *signals: Any,  # of `Protection.sample`, from ``full_throttle`` on
+        **signals: Any,  # of `Protection.sample`, from ``full_throttle`` on
     ) -> tuple[Allowed, ProtectionState]:
         """What the protection allows, and its next state."""
         if self.envelope and self.envelope.flies_envelope:
-            self.altitude.descend(self.envelope.descent_max, true_airspeed(now.vc, now.h))
+            self.altitude.descend(self.envelope.limits.descent_max, true_airspeed(now.vc, now.h))
         protection = self.protection(now.alpha)
         if not protection:
             return EVERYTHING, state.guard
         # positive elevator is nose down
         stop = not now.off and (now.sat < 0.0 or state.pitch.law.u >= self.pitch.pid.high)
         measured = now.theta, now.alpha, now.h, now.hdot, vc
-        return protection.sample(state.guard, *measured, stop, *signals, cut=state.altitude.cut)
+        return protection.sample(state.guard, *measured, stop, **signals, cut=state.altitude.cut)
 
     def at_rate(
         self,
@@ -107,11 +110,12 @@ class Vertical:
         state: VerticalState,
         now: Motion,
         allowed: Allowed,
-        before: ClimbState,
-        mode: float,
-        asked: Reference,
+        *,
         reference: Reference,
         idle: bool,
+        before: ClimbState = NO_CLIMB,
+        mode: float = 0.0,
+        asked: Reference = (None, 0.0),
         share: float = 1.0,
     ) -> tuple[float, float, AltitudeState, ClimbState]:
         """Pitch angle, rate of climb and next states.
