@@ -26,6 +26,7 @@ import numpy as np
 matplotlib.use("agg")
 
 from fleet import HEADER, fleet_table, format_row, level_or_glide
+from layers import layers_picture
 from pathsim import Connection, Simulation
 from pathsim.blocks import Block, Scope
 
@@ -489,6 +490,7 @@ def write_pages():
     """Quick to write: the gallery, the table of blocks, and what stands in tables elsewhere."""
     put(DOCS / "monte-carlo.md", "batches", scale_table())
     put(EVIDENCE / "designed-gains.md", "requirements", requirements_table())
+    (DOCS / "pictures" / "layers.svg").write_text(layers_picture(), encoding="utf-8")
     (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
     (DOCS / "reference" / "blocks.md").write_text(blocks_page(), encoding="utf-8")
 

@@ -20,9 +20,11 @@ TESTS = Path(__file__).parent
 # what needs no flight of more than seconds: folders and files of `pytest -m fast`, which reads no others
 FAST = (
     *(f"{name}/" for name in ("air", "axes", "core", "scripts", "wind")),
-    *(f"control/test_{name}.py" for name in ("gains", "laws", "laws_of_approaches", "pid")),
-    "control/test_response.py",
-    "control/test_sensor_actuator.py",
+    *(
+        f"control/test_{name}.py"
+        for name in ("gains", "laws", "pid", "response", "sensor_actuator")
+    ),
+    "guidance/test_laws_of_approaches.py",
     *(f"design/test_{name}.py" for name in ("margins", "plant")),
     *(f"flight/test_{name}.py" for name in ("aircraft", "contact", "fields", "limits", "points")),
     *(f"pathview/test_{name}.py" for name in ("convert", "layout", "unreadable")),

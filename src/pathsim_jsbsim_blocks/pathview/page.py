@@ -27,6 +27,8 @@ _CATEGORIES = {  # folder of this package: category and shape in PathView's bloc
     "sources": ("Sources", "pill"),
     "wind": ("Wind", "rect"),
     "control": ("Autopilot", "rect"),
+    "guidance": ("Autopilot", "rect"),
+    "linear": ("Aircraft", "rect"),
     "axes": ("Axes", "rect"),
     "air": ("Air data", "rect"),
     "tracks": ("Recording", "rect"),

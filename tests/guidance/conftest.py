@@ -1,0 +1,1 @@
+from wires import wires as wires
