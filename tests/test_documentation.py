@@ -5,6 +5,7 @@ import importlib
 import pkgutil
 import re
 import shlex
+import sys
 from itertools import pairwise
 from pathlib import Path
 
