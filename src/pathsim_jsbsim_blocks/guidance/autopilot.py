@@ -24,7 +24,7 @@ from ..control.loops import (
 from ..control.pid import clip
 from .climb_loops import SpeedOnPitchLoop
 from .hold import GuidedHold, fill
-from .protection import Allowed, share_of_climb
+from .protection import Allowed, Protection, ProtectionState, share_of_climb
 from .vertical import ClimbState, Motion, Vertical, VerticalState
 
 
@@ -248,13 +248,11 @@ class Autopilot(GuidedHold):
 
     def law(self, u: list[float], state: AutopilotState) -> tuple[list[float], AutopilotState]:
         now = AutopilotInputs(*u[:30])
-        h, hdot, vc, alpha = now.h, now.hdot, now.vc, now.alpha
-        pitching, rolling = now.pitch_mode != 0.0, now.roll_mode != 0.0
-        pitch_off, roll_off = now.pitch_off != 0.0, now.roll_off != 0.0
-        speed_off, yaw_off = now.speed_off != 0.0, now.yaw_off != 0.0
+        h, vc, alpha = now.h, now.vc, now.alpha
+        pitching, pitch_off = now.pitch_mode != 0.0, now.pitch_off != 0.0
         self.retune(vc, h)
         vertical, before = self.vertical, state.vertical
-        motion = Motion(now.theta, now.q, h, hdot, vc, alpha, pitch_off, now.elev_sat)
+        motion = Motion(now.theta, now.q, h, now.hdot, vc, alpha, pitch_off, now.elev_sat)
         mode = 0.0 if pitching else now.v_mode
         captured = mode == state.climb.mode and state.climb.captured
         on_pitch = mode == 2.0 and not captured and not pitch_off
@@ -271,26 +269,8 @@ class Autopilot(GuidedHold):
             h_agl=now.h_agl,
             eases=mode == 0.0 or captured,
         )
-        wanted, keeps = self.speed.loop.towards(held, vc, self.wanted("vc_ref", now.vc_ref, vc))
-        wanted = self.airspeed_within(allowed, wanted, vc)
-        throttle, vc_cmd, speed = self.speed.sample(
-            *(state.speed, vc, hdot, wanted, keeps, now.thr_sat, speed_off or on_pitch),
-            boost=allowed.boost,
-            feed=allowed.feed,
-        )
-        asked, given, pitched = self.wanted("hdot_ref", now.hdot_ref), None, ReferenceLoop.START
-        if on_pitch:
-            rate, vc_cmd, pitched = self.on_pitch.sample(
-                state.pitched, vc, h, hdot, wanted, keeps, before.altitude.cut, False
-            )
-            asked = rate, 0.0
-            given = None if speed_off else self._given(now.thr_ref, allowed, rate)
-        # what was found at engagement goes along from one loop to the other
-        if state.pitched.law.engaged:
-            speed = speed._replace(found=held.found)
-        elif on_pitch and state.speed.law.engaged:
-            pitched = pitched._replace(found=held.found)
-        throttle, speed, lever = self._lever(state, throttle, speed, hdot, now.thr_sat, given)
+        flown = self._airspeed(state, now, held, allowed, on_pitch)
+        throttle, vc_cmd, asked, speed, pitched, lever = flown
 
         protection = vertical.protection(alpha)
         wanted, hdot_cmd, altitude, climb = vertical.for_climb(
@@ -309,26 +289,14 @@ class Autopilot(GuidedHold):
             wanted, keeps = vertical.pitch.towards(before.pitch, now.theta, at)
         elevator, theta_cmd, pitch, cut = vertical.fly(before, motion, allowed, wanted, keeps)
 
-        heading, roll, keeps = *state.lateral, False
-        bank, heading = self.heading.sample(
-            *(heading, now.psi, self.wanted("psi_ref", now.psi_ref)),
-            idle=roll_off or rolling,
-            phi=now.phi,
-            vt=now.vt,
+        aileron, phi_cmd, lateral = self._ailerons(state.lateral, now, allowed, protection, guard)
+        rudder, yaw = self.yaw.sample(
+            state.yaw, now.r, now.yaw_off != 0.0, now.beta, now.p, now.phi
         )
-        if rolling:
-            bank, keeps = self.roll.towards(roll, now.phi, self.wanted("phi_ref", now.phi_ref))
-        if protection:
-            bank = protection.bank(allowed, guard, bank, now.phi)
-        aileron, phi_cmd, roll = self.roll.sample(
-            roll, now.phi, now.p, bank, keeps, now.ail_sat, roll_off
-        )
-
-        rudder, yaw = self.yaw.sample(state.yaw, now.r, yaw_off, now.beta, now.p, now.phi)
         outputs = [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd]
         state = AutopilotState(
             vertical=VerticalState(altitude, pitch, guard, cut),
-            lateral=LateralState(heading, roll),
+            lateral=lateral,
             speed=speed,
             yaw=yaw,
             climb=climb,
@@ -336,6 +304,69 @@ class Autopilot(GuidedHold):
             lever=lever,
         )
         return [*outputs, float(climb.captured)], state
+
+    def _airspeed(
+        self,
+        state: AutopilotState,
+        now: AutopilotInputs,
+        held: ReferenceState,
+        allowed: Allowed,
+        on_pitch: bool,
+    ) -> tuple[float, float, Reference, ReferenceState, ReferenceState, LeverState]:
+        """Throttle increment, airspeed reference in kt, commanded rate of climb, and next states.
+
+        The throttle holds the airspeed, or while ``on_pitch`` the elevator, by a rate of climb.
+        """
+        h, hdot, vc, off = now.h, now.hdot, now.vc, now.speed_off != 0.0
+        wanted, keeps = self.speed.loop.towards(held, vc, self.wanted("vc_ref", now.vc_ref, vc))
+        wanted = self.airspeed_within(allowed, wanted, vc)
+        throttle, vc_cmd, speed = self.speed.sample(
+            *(state.speed, vc, hdot, wanted, keeps, now.thr_sat, off or on_pitch),
+            boost=allowed.boost,
+            feed=allowed.feed,
+        )
+        climb, given, pitched = self.wanted("hdot_ref", now.hdot_ref), None, ReferenceLoop.START
+        if on_pitch:
+            cut = state.vertical.altitude.cut
+            rate, vc_cmd, pitched = self.on_pitch.sample(
+                state.pitched, vc, h, hdot, wanted, keeps, cut, False
+            )
+            climb = rate, 0.0
+            given = None if off else self._given(now.thr_ref, allowed, rate)
+        # the value at engagement is passed from one loop to the other
+        if state.pitched.law.engaged:
+            speed = speed._replace(found=held.found)
+        elif on_pitch and state.speed.law.engaged:
+            pitched = pitched._replace(found=held.found)
+        throttle, speed, lever = self._lever(state, throttle, speed, hdot, now.thr_sat, given)
+        return throttle, vc_cmd, climb, speed, pitched, lever
+
+    def _ailerons(
+        self,
+        state: LateralState,
+        now: AutopilotInputs,
+        allowed: Allowed,
+        protection: Protection | None,
+        guard: ProtectionState,
+    ) -> tuple[float, float, LateralState]:
+        """Aileron increment, bank reference in deg, and the next state."""
+        rolling, off = now.roll_mode != 0.0, now.roll_off != 0.0
+        bank, heading = self.heading.sample(
+            *(state.heading, now.psi, self.wanted("psi_ref", now.psi_ref)),
+            idle=off or rolling,
+            phi=now.phi,
+            vt=now.vt,
+        )
+        keeps = False
+        if rolling:
+            reference = self.wanted("phi_ref", now.phi_ref)
+            bank, keeps = self.roll.towards(state.roll, now.phi, reference)
+        if protection:
+            bank = protection.bank(allowed, guard, bank, now.phi)
+        aileron, phi_cmd, roll = self.roll.sample(
+            state.roll, now.phi, now.p, bank, keeps, now.ail_sat, off
+        )
+        return aileron, phi_cmd, LateralState(heading, roll)
 
     def _given(self, thr_ref: float, allowed: Allowed, rate: float) -> Reference:
         """A throttle that is given, less above the highest airspeed; more near the lowest one where

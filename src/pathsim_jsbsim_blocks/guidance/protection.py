@@ -253,8 +253,7 @@ class Protection:
             available += self._adapt * ((excess if full_throttle else most) - available)
             measured += self._adapt * (excess - measured)
 
-        low, high = self.LOADS
-        load = clip(1.0 + (hdot - climb) / (self.SLOW * GRAVITY), low, high)
+        load = clip(1.0 + (hdot - climb) / (self.SLOW * GRAVITY), *self.LOADS)
         stopped = state.stopped + slow * ((1.0 if full_elevator else 0.0) - state.stopped)
         reach = min(state.reach + self.RELEARN * self.T, 90.0)
         if full_elevator and stopped > self.STOPPED:
