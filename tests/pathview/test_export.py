@@ -1,6 +1,7 @@
 """Scripts of PathSim's usual form become models: structure, names, expressions, values."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from scripts_of_tests import HEAD, OSCILLATOR, code, names, node, script, wires
 
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import export_script
+from pathsim_jsbsim_blocks.scripts.first_run import FirstRun
 
 pytest.importorskip("pathview")
 
@@ -325,6 +327,43 @@ def test_what_functions_need_is_written_as_it_is_when_the_run_begins(before, lat
     assert eval(node(model, "a")["params"]["func"], there)(7.0) == value
 
 
+def test_comments_above_and_beside_definitions_stay(written):
+    before = """
+# gravity
+g = 9.81  # m/s2
+
+# two lines
+# on a wave
+@lru_cache  # of few values
+def wave(t):
+    # inside
+    return np.sin(g * t)  # no unit
+
+# with a state
+class Law:
+    def __call__(self, t):
+        return t
+
+def build():
+    # inside a function
+    def third(t):
+        return t
+    return third
+"""
+    parts = "a, b, c = [Source(f) for f in (wave, Law(), build())]"
+    text = code(
+        written(script(parts, before="from functools import lru_cache" + before, names="a, b, c"))
+    )
+    comments = re.findall("#.*", before.replace("# of few values", ""))
+    assert sorted(re.findall("#.*", text)) == sorted(comments)
+    for above, line in (
+        ("on a wave", "def wave(t):"),
+        ("with a state", "class Law:"),
+        ("inside a function", "def third(t):"),
+    ):
+        assert f"# {above}\n{line}" in text
+
+
 def test_what_is_not_needed_is_not_written(written):
     before = "import math\nfrom os import sep\nnp.random.seed(1)\nnote = 1\nroot = math.sqrt\n"
     assert code(written(script("a = Amplifier(root(9.0))", before=before))) == (
@@ -350,6 +389,43 @@ def test_a_state_before_the_run_is_the_initial_value(after, state, written):
     )
     value = eval(node(model, "a")["params"]["initial_value"], {"np": np})
     np.testing.assert_allclose(value, state, atol=1e-6)
+
+
+DYNAMIC = """
+one = Constant(1.0)
+a, b, c = TransferFunctionNumDen([1.0], [1.0, 1.0]), PT2(K=2.0), ButterworthLowpassFilter(2.0)
+d, e = TransferFunctionPRC([-1.0], [1.0]), AllpassFilter(2.0)
+s = Scope()
+"""
+WIRES = "Connection(one, a, b, c, d, e), *[Connection(x, s[i]) for i, x in enumerate((a, b, c))]"
+
+
+@pytest.mark.parametrize("before_the_run", ["", "sim.steadystate()", "b.engine.set([0.5, -1.0])"])
+def test_linear_blocks_that_pathview_lacks_or_that_have_a_state_are_state_space_models(
+    before_the_run, export
+):
+    run = f"{before_the_run}\nsim.run(0.5)"
+    model = export(script(DYNAMIC, WIRES, names="one, a, b, c, d, e, s", after=run))
+    kinds = {n["name"]: n["type"] for n in model["graph"]["nodes"]}
+    assert kinds["d"] == kinds["e"] == "StateSpace"
+    assert kinds["b"] == ("StateSpace" if before_the_run else "PT2")
+    assert kinds["a"] == ("StateSpace" if "steady" in before_the_run else "TransferFunctionNumDen")
+    if "steady" in before_the_run:  # the output, C x, is the gain
+        texts = node(model, "b")["params"]
+        matrix, state = (eval(texts[name], {"np": np}) for name in ("C", "initial_value"))
+        np.testing.assert_allclose(matrix @ state, 2.0, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("call", "cause"),
+    [("sim.steadystate()", r"which steadystate\(\) in line 10 has set"), ("", "")],
+)
+def test_blocks_for_which_pathview_has_no_initial_value_are_named_together(call, cause, export):
+    blocks = "one, r, w, p = Constant(1.0), RateLimiter(), AntiWindupPID(Kp=1, Ki=1), PT1()"
+    run = f"{call}\nr.engine.set(1.0); w.engine.set([1.0, 1.0])\nsim.run(0.5)"
+    wires = "Connection(one, r, p)"
+    with pytest.raises(DiagramError, match=rf"'r' \(RateLimiter\), 'w' \(AntiWindupPID\).*{cause}"):
+        export(script(blocks, wires, names="one, r, w, p", after=run))
 
 
 @pytest.mark.parametrize(
@@ -389,12 +465,57 @@ def test_functions_of_a_module_beside_the_script_are_copied(written, tmp_path):
 
 
 def test_draws_before_the_run_are_numbers_and_blocks_without_a_seed_fly_alike(export):
-    model = export(
-        HEAD + "k = np.random.rand()\na = Amplifier(k)\nw, p = WhiteNoise(), PinkNoise()\n"
-        "sim = Simulation([a, w, p], [Connection(w, a)], log=False)\nsim.run(0.1)"
-    )
+    with pytest.warns(UserWarning, match="random numbers without a seed .* are fixed"):
+        model = export(
+            HEAD + "k = np.random.rand()\na = Amplifier(k)\nw, p = WhiteNoise(), PinkNoise()\n"
+            "r = RandomNumberGenerator()\n"
+            "sim = Simulation([a, w, p, r], [Connection(w, a)], log=False)\nsim.run(0.1)"
+        )
     assert 0 < float(code(model).removeprefix("k = ")) < 1
     assert "seed" not in node(model, "w")["params"]
+
+
+@pytest.mark.parametrize(
+    ("before", "drawn"),
+    [
+        ("k = np.random.rand()", True),
+        ("k = np.random.normal(size=100_000)[0]", True),
+        ("import random\nk = random.gauss(0, 1)", True),
+        ("import random as dice\nk = dice.Random().random()", True),
+        ("k = np.random.default_rng().normal()", True),
+        ("np.random.seed(3)\nk = np.random.rand()", False),
+        ("k = np.random.default_rng(3).normal()", False),
+        ("import random\nrandom.seed(3)\nk = random.random()", False),
+        ("k = 1.0\nr = RandomNumberGenerator()", False),
+    ],
+)
+def test_a_script_that_has_drawn_random_numbers_of_no_seed(before, drawn, saved):
+    diagram = FirstRun(saved(script("a = Amplifier(k)", before=before)))
+    assert diagram.generators.drawn == drawn
+
+
+@pytest.mark.parametrize(
+    ("before", "draw", "seed"),
+    [
+        ("from numpy.random import seed as s, rand as r\ns(4)", "r()", 4),
+        ("np.random.set_state(np.random.RandomState(5).get_state())", "np.random.rand()", 5),
+        ("np.random.seed(1)\nnp.random.seed(2**32 - 1)", "np.random.rand()", 2**32 - 1),
+        ("def start(x):\n    np.random.seed(x)\nstart(6)", "np.random.rand()", 6),
+        ("np.random.seed([1, 2])", "np.random.rand()", None),  # of no single number
+        ("np.random.seed(8)\nk = np.random.rand()", "np.random.rand()", None),
+        ("import random\nrandom.seed(9)", "random.random()", None),
+        ("from scipy.stats import norm\nnp.random.seed(3)", "norm.rvs()", None),  # in a library
+    ],
+)
+def test_a_state_of_the_shared_generators_is_in_the_model_or_refused(before, draw, seed, export):
+    text = script(f"a = Source(lambda t: {draw})", before=before, after="sim.run(0.1)")
+    if seed is None:
+        with pytest.raises(
+            DiagramError, match=r"generator of (numpy|random), which the script has"
+        ):
+            export(text)
+    else:
+        assert code(export(text)).endswith(f"np.random.seed({seed})")
 
 
 def test_functions_that_draw_from_a_seeded_generator(written, export):

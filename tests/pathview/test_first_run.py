@@ -215,17 +215,6 @@ def test_a_script_that_is_no_text_is_refused(content, written):
         written(content)
 
 
-def test_a_state_that_no_initial_value_gives_is_refused_naming_the_call(export):
-    with pytest.raises(DiagramError, match=r"steadystate\(\) in line 12 changes its state"):
-        export(
-            script(
-                "one = Constant(1.0)\na = TransferFunctionNumDen([1.0], [1.0, 1.0])\ns = Scope()",
-                "Connection(one, a), Connection(a, s)",
-                after="sim.steadystate()\nsim.run(0.5)",
-            )
-        )
-
-
 def test_running_a_script_leaves_the_process_as_it_was(written, tmp_path):
     def world():
         filters, shown = list(warnings.filters), np.get_printoptions()

@@ -12,6 +12,7 @@ import urllib.request
 from pathlib import Path
 
 import pytest
+from models import block, event, model, subsystem
 from served_pathview import Served, page_headers
 
 from pathsim_jsbsim_blocks.errors import BlocksError, DiagramError, ParameterError
@@ -193,3 +194,25 @@ def test_opening_the_address_ends_runs_without_a_page_and_no_others(server, monk
     get(server.url())
     assert call("stream/poll", "gone") == {"messages": [], "done": True}
     assert call("stream/poll", "there")["messages"]
+
+
+def test_it_serves_a_model_in_which_pathview_finds_every_name(tmp_path, monkeypatch):
+    """PathView imports no event class of a subsystem alone, and takes a keyword for a variable."""
+    tick = event("tick", func_act="print")
+    plant = subsystem("Plant", block("one", "Constant"), events=[tick])
+    path = tmp_path / "drawn.pvm"
+    path.write_text(json.dumps(model(block("Class", "Constant"), plant, code="k = 1")))
+    served = {}
+
+    def server(models, port):
+        served.update(models)
+        raise InterruptedError
+
+    monkeypatch.setattr("pathsim_jsbsim_blocks.pathview._view.Server", server)
+    with pytest.raises(InterruptedError):
+        view(path, trust=True)
+    content = served["drawn.pvm"]
+    assert [n["name"] for n in content["graph"]["nodes"]] == ["Class block", "Plant"]
+    assert content["codeContext"]["code"] == "from pathsim.events import Schedule\n\nk = 1"
+    assert [e["name"] for e in content["graph"]["nodes"][1]["graph"]["events"]] == ["tick"]
+    assert content["events"] == content["graph"]["events"] == []

@@ -14,7 +14,7 @@ from typing import Any
 from unittest.mock import patch
 
 from pathsim import Connection, Simulation, Subsystem
-from pathsim.blocks import Block, PinkNoise, WhiteNoise
+from pathsim.blocks import Block, PinkNoise, StateSpace, WhiteNoise
 from pathsim.events import Event
 from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
@@ -53,6 +53,13 @@ def port_number(register: Register, port: str | int) -> int:
 def own_events(subsystem: Subsystem) -> list[Event]:
     """Events of a subsystem itself, without those of the blocks inside."""
     return subsystem._events
+
+
+def flies_matrices(block: Block) -> bool:
+    """Whether a block is a linear model that its matrices describe; AntiWindupPID is another."""
+    return isinstance(block, StateSpace) and (
+        block.op_dyn._func.__code__ in StateSpace.__init__.__code__.co_consts
+    )
 
 
 class NamedRegister(Register):

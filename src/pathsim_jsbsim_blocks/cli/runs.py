@@ -146,10 +146,10 @@ def _code_of_model(path: Path, args: argparse.Namespace) -> str:
     import linecache
 
     from ..pathview import pvm
-    from ..pathview.trusted_models import trusted_code
+    from ..pathview.trusted_models import trusted
 
     def code(trust: bool) -> str:
-        return trusted_code(pvm.read(path), path, trust, args.trust_toolbox)
+        return trusted(pvm.read(path), path, trust, args.trust_toolbox)[1]
 
     source = asking(code, args.trust)
     # tracebacks show the lines of the script

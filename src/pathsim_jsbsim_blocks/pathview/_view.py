@@ -18,7 +18,7 @@ from .export import script_model
 from .markup import refuse_markup
 from .server import Server
 from .shape import Json
-from .trusted_models import trusted_code
+from .trusted_models import trusted
 
 
 def view(
@@ -76,8 +76,7 @@ def _load(target: str | Path, trust: bool, trust_toolboxes: Sequence[str]) -> Js
             return content
     content = pvm.read(path)
     refuse_markup(content, path)
-    trusted_code(content, path, trust, trust_toolboxes)
-    return content
+    return pvm.with_event_imports(trusted(content, path, trust, trust_toolboxes)[0])
 
 
 @contextmanager

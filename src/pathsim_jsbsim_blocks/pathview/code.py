@@ -30,11 +30,12 @@ from ..scripts.names import assignments, references
 from ..scripts.script import FOLLOWING
 from .expressions import Expressions, same
 from .shape import shortened
-from .sources import Found, of_class, of_function, one_line, text_of
+from .sources import Found, first_line, of_class, of_function, one_line, text_of, with_comments
 from .variables import TAKEN, unique
 
 PARTS = (Block, Event, Simulation)
 _STAND_IN = re.compile(r"__part_(\d+)")
+_DEFINITION = re.compile(r"(#.*\n)*(@|def |class )")
 _SCALARS = {np.dtype(code).type for code in "?bBhHiIlLqQefdFD"}
 _CONTAINERS = (list, tuple, dict, set, np.ndarray)
 _LOCALS = {"globals", "locals", "vars", "eval", "exec"}
@@ -74,7 +75,7 @@ class Code:
         """The names that the code binds."""
         return self._pieces.keys() | {"np"}
 
-    def text(self, variables: Mapping[str, str], first: list[str]) -> str:
+    def text(self, variables: Mapping[str, str]) -> str:
         """The source: definitions in the order of the script, each after those that it needs."""
         order: list[Piece] = []
 
@@ -88,9 +89,10 @@ class Code:
         begun: list[Piece] = []
         for piece in sorted(self._pieces.values(), key=lambda p: p.line):
             add(piece)
-        lines, end = list(first), 0.0
+        lines: list[str] = []
+        end = 0.0
         for piece in [*order, *self._states]:
-            apart = lines and (piece.line > end + 1 or piece.text.startswith(("def ", "class ")))
+            apart = lines and (piece.line > end + 1 or _DEFINITION.match(piece.text))
             lines.append(("\n" if apart and piece.line != math.inf else "") + piece.text)
             end = piece.end
         return self.filled("\n".join(lines).lstrip("\n"), variables)
@@ -138,7 +140,7 @@ class Code:
             return f"{partial}({self.expression(value.__func__, wish)}, {text})"
         if text := self._imported(value):
             return text
-        if isinstance(value, types.FunctionType) and value.__name__ == "<lambda>":
+        if _is_lambda(value):
             return self._function(value)
         return self._defined(value, getattr(value, "__name__", wish))
 
@@ -282,13 +284,13 @@ class Code:
         if found is None or TAKEN.fullmatch(name) or name in self._pieces:
             return False
         statement, value = found
-        piece = Piece(line=self.expressions.first_line(statement), end=statement.end_lineno or 0)
+        whole = Found(statement, self.script.source)
+        piece = Piece(line=first_line(whole), end=statement.end_lineno or 0)
         self._pieces[name] = piece
         self._keep(name)
         self._needs.append(piece.needs)
         if value is getattr(statement, "value", None):
-            inner = self._spliced(Found(statement, self.script.source), statement)
-            piece.text = self.expressions.with_comments(statement, inner)
+            piece.text = with_comments(whole, self._spliced(whole, statement))
         else:  # one of ``a, b = 1, 2``
             inner = self._spliced(Found(value, self.script.source), value)
             piece.text = f"{name} = {one_line(inner)}"
@@ -389,6 +391,7 @@ class Code:
                     self.inner.add(node.arg)
         if name:
             text = re.sub(rf"(def\s+){code.co_name}\b", rf"\g<1>{name}", text, count=1)
+            text = with_comments(found, text)
         return one_line(text) if isinstance(found.node, ast.Lambda) else text
 
     def _defaults(
@@ -455,6 +458,7 @@ class Code:
         _Names(self, tree.node, namespace, cells).put(new)
         text = re.sub(rf"(class\s+){kind.__name__}\b", rf"\g<1>{name}",
                       text_of(tree, new, decorated=True), count=1)  # fmt: skip
+        text = with_comments(tree, text)
         if path == str(self.script.path):
             piece.line, piece.end = tree.node.lineno, tree.node.end_lineno or 0
         piece.text = "\n".join([text, *self._changed(kind, name, tree.node)])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from .._core.checks import as_path
 from ..errors import DiagramError
-from .generate import to_python
+from .generate import checked, to_python
 from .pvm import read, write
 from .toolboxes import registry_for
 
@@ -59,6 +59,7 @@ def convert_model(
                 path=out,
             )
     out = as_path("out", out)
-    code = to_python(content, registry_for(content, path, toolboxes, trust_toolboxes), path)
+    registry = registry_for(content, path, toolboxes, trust_toolboxes)
+    code = to_python(checked(content, registry, path), registry, path)
     write(out, code)
     return out

@@ -88,6 +88,5 @@ class Diagram:
     duration: float  # of the run, s
     toolboxes: list[Toolbox]
     log: bool = True  # whether the simulation logs
-    seeded: bool = False  # whether the code seeds NumPy's global generator
     unseeded: list[str] = field(default_factory=list)  # blocks that draw without a seed
     parts: dict[str, Part] = field(default_factory=dict)  # by their variables

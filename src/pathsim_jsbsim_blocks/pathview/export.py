@@ -86,20 +86,24 @@ def script_model(
 ) -> tuple[Json, Proof]:
     """The content of a script's model, and what was compared; parameters as in `export_script`.
 
-    A warning names what the script does after its first run, which is not in the model.
+    Warnings name what the script does after its first run, which is not in the model, and random
+    numbers that are fixed there.
     """
     with _ONE_AT_A_TIME:
         process = surroundings()
         first_run = FirstRun(script, lambda s: _proven(s, process, existing, check))
-    found = [(line, f"the model opens {name!r}, which it finds only if it is started in the "
+    notes = [(line, f"the model opens {name!r}, which it finds only if it is started in the "
               "script's directory") for name, line in first_run.files.items()]  # fmt: skip
+    start = first_run.lines[-1] if first_run.lines else 1
+    if first_run.generators.drawn:
+        notes.append((start, "random numbers without a seed that the script has drawn are fixed in "
+                      "the model: it flies the same in each run"))  # fmt: skip
     if rest := first_run.left_out():
-        first = first_run.lines[-1]
         what = ", ".join(f"line {line}: {text}" for line, text in rest)
-        found.append(
-            (first, f"the model is the diagram of the first run (line {first}); not in it: {what}")
+        notes.append(
+            (start, f"the model is the diagram of the first run (line {start}); not in it: {what}")
         )
-    for line, text in found:
+    for line, text in notes:
         # at the script's line: the caller's would be of the command line
         warnings.warn_explicit(text, UserWarning, str(first_run.path), line)
     return first_run.result
@@ -120,7 +124,7 @@ def _proven(
         process=process,
         blocks=list(blocks),
         expressions=[e for name in blocks for e in diagram.parts[name].target.params.values()],
-        seeded=diagram.seeded,
+        seeded=script.generators.set,
         unseeded=diagram.unseeded,
         run={
             "duration": diagram.duration,
@@ -145,6 +149,10 @@ def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
     place = script.last_mention(*script.names_of(part), script.target(part)) or built
     why = "it depends on something that the model does not have, such as random numbers without "
     why += "a seed"
+    if script.generators.set:
+        modules = " and ".join(sorted(script.generators.set))
+        why += f", or the state of the generator of {modules}, which the script has set: give "
+        why += "functions a generator of their own, numpy.random.default_rng(1)"
     if place is not built:
         why = f"line {getattr(place, 'lineno', 0)} may change it after it is built"
     if script.states:

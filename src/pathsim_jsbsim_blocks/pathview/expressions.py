@@ -110,23 +110,6 @@ class Expressions:
         statement = self._statements.get(name)
         return math.inf if statement is None else statement.lineno
 
-    def first_line(self, statement: ast.stmt) -> int:
-        """First line of a statement with the comments right above it."""
-        lines, line = self._script.source.split("\n"), statement.lineno
-        while line > 1 and lines[line - 2].lstrip().startswith("#"):
-            line -= 1
-        return line
-
-    def with_comments(self, statement: ast.stmt, text: str) -> str:
-        """The text of a statement with the comments above and beside it."""
-        lines = self._script.source.split("\n")
-        before = lines[statement.lineno - 1].encode()[: statement.col_offset].decode()
-        after = lines[(statement.end_lineno or 0) - 1].encode()[statement.end_col_offset :].decode()
-        if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
-            return text
-        above = lines[self.first_line(statement) - 1 : statement.lineno - 1]
-        return "".join(f"{line.strip()}\n" for line in above) + text + after.rstrip()
-
     def _is_plain(self, node: ast.AST) -> bool:
         if isinstance(node, ast.Call):
             return self._is_pure(node.func)

@@ -17,23 +17,23 @@ from .shape import Json, with_parts
 from .variables import printable, without_clashes
 
 
-def to_python(content: Json, registry: Json, path: Path) -> str:
-    """The script of a model from `pvm`, after a full check: the converter drops unknown parts."""
-    from pathview.converter import generate_python
-
+def checked(content: Json, registry: Json, path: Path) -> Json:
+    """A model from `pvm`, complete and with names that do not clash, after a full check."""
     content = complete(content)
     check = Check(content, registry, path)
     check.all()
     shadowed = check.used & set(dir(builtins))
-    content = without_clashes(content, check.assigned | shadowed, check.called_later, path)
+    return without_clashes(content, check.assigned | shadowed, check.called_later, path)
+
+
+def to_python(content: Json, registry: Json, path: Path) -> str:
+    """The script of a `checked` model: the converter drops unknown parts."""
+    from pathview.converter import generate_python
+
     try:
         code = generate_python(_spliceable(content), registry, source_name=_in_docstring(path.name))
         with compiling():
             ast.parse(code)
-    except (SyntaxError, ValueError) as error:
-        # parameters and code have been parsed one by one, so only a name can be wrong
-        line = (getattr(error, "text", None) or str(error)).strip()
-        raise DiagramError(f"a name gives invalid Python: {line!r}", path=path) from error
     except (RecursionError, MemoryError) as error:
         raise DiagramError("too deep or too large for a script", path=path) from error
     return _with_names_of_ports(_finished(code, content, path), registry)

@@ -11,12 +11,13 @@ import json
 import logging
 import multiprocessing
 import os
+import random
 import signal
 import sys
 import time
 import types
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -28,9 +29,9 @@ from pathsim import Simulation
 from pathsim.blocks import Block
 
 from .._core.pathsim_internals import each_sample, port_names
-from .._core.seeding import seed_blocks
+from .._core.seeding import draws_from_shared, seed_blocks
 from ..errors import DiagramError
-from .generate import to_python
+from .generate import checked, to_python
 from .toolboxes import registry_for
 
 _AT_ONCE = 200  # rows
@@ -49,7 +50,7 @@ class Job:
     process: dict[str, Any]  # `surroundings` before the script ran
     blocks: list[str]  # PathView's variables
     expressions: list[str]  # of all parameters
-    seeded: bool  # whether the script has seeded NumPy's global generator
+    seeded: set[str]  # modules whose shared generator the script has seeded
     unseeded: list[str]  # blocks that draw random numbers without a seed, by variable
     run: dict[str, Any]  # arguments of the run
 
@@ -144,7 +145,7 @@ def _built(job: Job) -> dict[str, Any]:
     for expression in job.expressions:
         eval(compile(expression, expression, "eval", dont_inherit=True), namespace)
     registry = registry_for(content, job.path, trust_toolboxes=job.toolboxes)
-    code = to_python(content, registry, job.path)
+    code = to_python(checked(content, registry, job.path), registry, job.path)
     namespace = {"__name__": "pathview"}
     exec(compile(code, "model", "exec", dont_inherit=True), namespace)
     if job.run["reset"]:
@@ -258,12 +259,16 @@ def _row(t: float, blocks: Iterable[Block]) -> Row:
     return float(t), tuple(block.outputs.to_array().tobytes() for block in blocks)
 
 
-def _seed(blocks: Iterable[Block], seeded: bool) -> None:
+def _seed(blocks: Sequence[Block], seeded: Collection[str]) -> None:
     """Give blocks without a seed the same random numbers on both sides.
 
-    NumPy's global generator, too, unless the script has seeded it.
+    The generators of modules, too, unless the script has seeded them.
     """
     for number, block in enumerate(blocks):
         seed_blocks([block], number)
-    if not seeded:
+    if "numpy" not in seeded:
         np.random.seed(0)  # noqa: NPY002
+    if "random" not in seeded:
+        random.seed(0)
+    for block in filter(draws_from_shared, blocks):
+        block.sample(0.0, 0.0)  # in place of what it drew when it was built

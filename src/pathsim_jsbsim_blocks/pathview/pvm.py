@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import math
 import re
@@ -11,9 +12,10 @@ from typing import Any
 
 from .._core.files import write_whole
 from ..errors import DiagramError, FileError
+from ..scripts.names import bound
 from .diagram import NOTE, Diagram, Event, Graph, Node
 from .layout import GRID, RECORDERS, Box, arrange, bounds, labelled, size, touch
-from .shape import check_shape
+from .shape import check_shape, graphs
 from .variables import plain
 
 VERSION = "1.0.0"
@@ -35,7 +37,7 @@ def model(diagram: Diagram, existing: Existing | None = None) -> dict[str, Any]:
     events = _events(diagram.graph.events, "", box, old.get("events") or [])
     toolboxes = [t.requirement() for t in diagram.toolboxes]
     notes = _annotations(diagram.docstring, box, (old.get("graph") or {}).get("annotations") or [])
-    return {
+    content: dict[str, Any] = {
         "version": VERSION,
         "metadata": {"created": _TIME, "modified": _TIME, "name": diagram.path.stem},
         "graph": {**graph, "annotations": notes},
@@ -50,6 +52,18 @@ def model(diagram: Diagram, existing: Existing | None = None) -> dict[str, Any]:
         },
         **({"requiredToolboxes": toolboxes} if toolboxes else {}),
     }
+    return with_event_imports(content)
+
+
+def with_event_imports(content: dict[str, Any]) -> dict[str, Any]:
+    """A model whose code imports events that only subsystems have, which PathView does not."""
+    inner = [event for graph in graphs(content) for event in graph.get("events") or []]
+    lacks, has = ({e["type"].rpartition(".")[2] for e in x} for x in (inner, content["events"]))
+    code = content["codeContext"]["code"]
+    if not (names := sorted(lacks - has - bound(ast.iter_child_nodes(ast.parse(code))))):
+        return content
+    text = f"from pathsim.events import {', '.join(names)}\n\n{code}".rstrip("\n")
+    return {**content, "codeContext": {"code": text}}
 
 
 def text(content: Mapping[str, Any]) -> str:
@@ -83,6 +97,9 @@ def _no_model(content: Any) -> str:
         return "not a PathView model: no JSON object"
     if content.get("type") in ("block", "subsystem"):
         return f"a PathView {content['type']}, not a model; open it in PathView and save the model"
+    if "nodes" in content and "edges" in content:
+        why = "which PathView no longer opens: draw it again"
+        return f"a file of PathView's first version, of 2025, {why}"
     graph, version = content.get("graph"), content.get("version")
     if not isinstance(graph, dict) or not isinstance(graph.get("nodes"), list):
         return "not a PathView model: it has no graph"

@@ -6,16 +6,15 @@ import ast
 import builtins
 import inspect
 import itertools
-import keyword
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
 from pathsim import Connection, Interface, Subsystem
-from pathsim.blocks import Block
+from pathsim.blocks import Block, StateSpace
 
-from .._core.pathsim_internals import own_events, port_names
+from .._core.pathsim_internals import flies_matrices, own_events, port_names
 from .._core.seeding import draws_from_shared, is_random
 from ..scripts.first_run import FirstRun, named_arguments
 from .code import Code, Unwritable
@@ -41,6 +40,7 @@ class _Reader:
         self.registry = core_registry()
         self.parts: dict[int, Part] = {}
         self.types: dict[str, tuple[type[Block], Toolbox | None]] = {}
+        self.lost: list[str] = []  # blocks whose state PathView cannot represent
 
     def diagram(self) -> Diagram:
         sim = self.script.simulation
@@ -48,6 +48,11 @@ class _Reader:
             where = f"the simulation is at t = {sim.time:g} when its first run begins"
             self.refuse(f"{where}; PathView starts at 0", self.script.run_call)
         graph = self._graph(sim.blocks, sim.connections, sim.events, None)
+        if self.lost:
+            calls = [f"{method}() in line {line}" for method, line in self.script.states]
+            cause = f", which {calls[-1]} has set," if calls else ""
+            self.refuse(f"PathView has no initial value for {', '.join(self.lost)}: their state "
+                        f"when the run begins{cause} cannot be in the model")  # fmt: skip
         todo = [(p, n, v) for p in self.parts.values() for n, v in p.arguments.items()]
         # functions first: a table that one of them uses is the same in a parameter
         for part, name, value in sorted(todo, key=lambda item: not callable(item[2])):
@@ -60,13 +65,11 @@ class _Reader:
         for part in self.parts.values():
             params = part.target.params.items()
             part.target.params = {n: self.code.filled(e, variables) for n, e in params}
-        context, seeded = self._context(variables, graph)
         return Diagram(
             path=self.script.path,
             docstring=ast.get_docstring(self.script.tree) or "",
             graph=graph,
-            context=context,
-            seeded=seeded,
+            context=self._context(variables),
             settings={"solver": sim.Solver.__name__, **settings},
             duration=float(live["duration"][0]),
             toolboxes=self._toolboxes(),
@@ -79,14 +82,14 @@ class _Reader:
             parts={part.variable: part for part in self.parts.values()},
         )
 
-    def _context(self, variables: Mapping[str, str], graph: Graph) -> tuple[str, bool]:
-        """The model's code; it seeds NumPy's global generator if something draws from it."""
-        text, seeding = self.code.text(variables, self._event_imports(graph)), ""
+    def _context(self, variables: Mapping[str, str]) -> str:
+        """The model's code; it seeds NumPy's shared generator if something may draw from it."""
+        text, seed = self.code.text(variables), None
         parts = self.parts.values()
         every = [text, *(e for part in parts for e in part.target.params.values())]
-        if any("random." in e for e in every) or any(draws_from_shared(p.value) for p in parts):
-            seeding = self.script.seeding()
-        return "\n".join(filter(None, [text, seeding])), bool(seeding)
+        if any("random" in e for e in every) or any(draws_from_shared(p.value) for p in parts):
+            seed = self.script.generators.seed
+        return "\n".join(filter(None, [text, "" if seed is None else f"np.random.seed({seed})"]))
 
     # structure ----------------------------------------------------------------------------------
 
@@ -114,7 +117,7 @@ class _Reader:
             yield Wire(index[id(source)], out, index[id(target)], into)
 
     def _block(self, block: Block, i: int, wires: Sequence[Wire], parent: Part | None) -> Node:
-        kind = _built_in(type(block))
+        kind = self._kind(block)
         node = Node("", kind.__name__)
         n_in = max((w.input + 1 for w in wires if w.target == i), default=0)
         n_out = max((w.output + 1 for w in wires if w.source == i), default=0)
@@ -139,6 +142,13 @@ class _Reader:
             node.inputs += [f"in {k}" for k in range(len(node.inputs), more)]
             node.outputs += [f"out {k}" for k in range(len(node.outputs), more)]
         return node
+
+    def _kind(self, block: Block) -> type[Block]:
+        """The class for PathView: StateSpace where it lacks a linear block's class or state."""
+        kind = _built_in(type(block))
+        known = kind.__name__ in self.registry["blocks"] or kind.__module__[:8] != "pathsim."
+        stateless = "initial_value" not in _parameters(kind) and np.any(_states(block)[0])
+        return StateSpace if flies_matrices(block) and (stateless or not known) else kind
 
     def _known(self, block: Block, kind: type[Block]) -> list[str]:
         """Parameter names of a block's class, which PathView must know."""
@@ -197,6 +207,8 @@ class _Reader:
             if name not in known or name.startswith("_"):
                 reason = f"PathView cannot represent parameter {name!r} of {part.kind.__name__}"
                 self._refuse(part.value, reason)
+        if "initial_value" not in known and not same(*_states(part.value)):
+            self.lost.append(f"{self._called(part.value)} ({part.kind.__name__})")
         for name in known:
             default = parameters[name].default if name in parameters else ...
             value, before = values.get(name, (default, default))
@@ -246,8 +258,7 @@ class _Reader:
 
         def is_of_code(name: str) -> bool:
             variable = prefix + plain(name)
-            reserved = TAKEN.fullmatch(variable) or keyword.iskeyword(variable)
-            return variable in code or bool(reserved)
+            return variable in code or bool(TAKEN.fullmatch(variable))
 
         def taken(name: str) -> bool:
             return is_of_code(name) or prefix + plain(name) in variables.values()
@@ -285,13 +296,6 @@ class _Reader:
         target = self.script.target(part.value)
         held = self.script.namespace.get(target)
         return "" if isinstance(held, (list, tuple, dict)) else target
-
-    def _event_imports(self, graph: Graph) -> list[str]:
-        """Imports for events in subsystems: PathView imports only those of the top level."""
-        top = {e.type for e in graph.events}
-        inner = {p.target.type for p in self.parts.values() if isinstance(p.target, Event)} - top
-        names = sorted(t.rpartition(".")[2] for t in inner)
-        return [f"from pathsim.events import {', '.join(names)}"] if names else []
 
     def _toolboxes(self) -> list[Toolbox]:
         """The toolboxes in use, ordered so that every class name resolves to the right one."""
@@ -357,12 +361,17 @@ def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
     return inspect.signature(kind).parameters
 
 
+def _states(block: Any) -> tuple[Any, Any]:
+    """The state of a block, and the one that its engine began with; None without an engine."""
+    engine = getattr(block, "engine", None)
+    return engine and np.ravel(engine.state).copy(), engine and np.ravel(engine.initial_value) * 1.0
+
+
 def _state(block: Any, initial: Any) -> Any:
     """The state of a block, if it is not its initial value: `steadystate` before the run, say."""
-    engine = getattr(block, "engine", None)
-    if engine is None or same(np.ravel(engine.state), np.ravel(np.asarray(initial, float))):
+    state, _ = _states(block)
+    if state is None or same(state, np.ravel(np.asarray(initial, float))):
         return initial
-    state = np.array(engine.state)
     return state.item() if np.ndim(initial) == 0 and state.size == 1 else state
 
 

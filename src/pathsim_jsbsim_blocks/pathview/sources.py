@@ -76,6 +76,25 @@ def _first_line(node: Any) -> int:
     return min(n.lineno for n in (node, *decorators))
 
 
+def first_line(found: Found) -> int:
+    """First line of a statement with its decorators and the comments right above it."""
+    lines, line = found.source.split("\n"), _first_line(found.node)
+    while line > 1 and lines[line - 2].lstrip().startswith("#"):
+        line -= 1
+    return line
+
+
+def with_comments(found: Found, text: str) -> str:
+    """The text of a statement with the comments above and beside it."""
+    lines, node = found.source.split("\n"), found.node
+    before = lines[node.lineno - 1].encode()[: node.col_offset].decode()
+    after = lines[node.end_lineno - 1].encode()[node.end_col_offset :].decode()
+    if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
+        return text
+    above = lines[first_line(found) - 1 : _first_line(node) - 1]
+    return "".join(f"{line.strip()}\n" for line in above) + text + after.rstrip()
+
+
 def text_of(found: Found, new: Mapping[ast.AST, str] = {}, decorated: bool = False) -> str:
     """The source of a node, with other text in place of some nodes in it.
 

@@ -18,26 +18,28 @@ from typing import Any
 from ..catalogue import diagram_folder
 from ..errors import UntrustedModelError
 from . import pvm
-from .generate import to_python
+from .generate import checked, to_python
 from .shape import Json
 from .toolboxes import registry_for
 
 _remembered: set[str] = set()  # in this process; the file may be read-only
 
 
-def trusted_code(
+def trusted(
     content: Json, path: Path, trust: bool = False, trust_toolboxes: Sequence[str] = ()
-) -> str:
-    """The script of a model that is to run; none of its code is executed here.
+) -> tuple[Json, str]:
+    """A model that is to run, as PathView can run it, and its script; none of it is executed here.
 
     ``content`` is as `pvm.read` gives it: what is checked is what runs. ``trust`` trusts it now and
     later. An `UntrustedModelError` has the digest by which the model can be trusted.
     """
-    code = to_python(content, registry_for(content, path, trust_toolboxes=trust_toolboxes), path)
+    registry = registry_for(content, path, trust_toolboxes=trust_toolboxes)
+    model = checked(content, registry, path)
+    code = to_python(model, registry, path)
     if trust:
         remember(digest(content))
     require_trust(content, path)
-    return code
+    return model, code
 
 
 def require_trust(content: Json, path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import keyword
 import re
 from collections.abc import Callable, Collection
 from pathlib import Path
@@ -10,8 +11,11 @@ from pathlib import Path
 from ..errors import DiagramError
 from .shape import Json
 
-# names that PathView's own script binds
-TAKEN = re.compile(r"np|plt|blocks|connections|events|sim|conn_\d+|json|gc|sys|traceback|base64")
+# names that PathView's own script binds, and those that Python does not allow
+TAKEN = re.compile(
+    r"np|plt|blocks|connections|events|sim|conn_\d+|json|gc|sys|traceback|base64|"
+    + "|".join(keyword.kwlist)
+)
 _NAMELESS = {"Interface", "BusCreator", "BusSelector"}  # have no variable of their own name
 
 
@@ -65,8 +69,8 @@ def without_clashes(
         for name in filter(is_bound, sorted(_variables(part, prefix))):
             if whole or name in called_later:
                 raise DiagramError(
-                    f"{'subsystem' if whole else kind} {part['name']!r}: the model's code uses the "
-                    f"name {name!r} for something else; rename one of them",
+                    f"{'subsystem' if whole else kind} {part['name']!r}: Python, PathView or the "
+                    f"model's code uses the name {name!r} for something else; rename it",
                     path=path,
                 )
 
@@ -91,7 +95,7 @@ def without_clashes(
 
     # a model's own events stand beside its graph, those of subsystems in it
     graph = level({**content["graph"], "events": content["events"]}, "")
-    return {**content, "graph": graph, "events": graph["events"]}
+    return {**content, "graph": {**graph, "events": []}, "events": graph["events"]}
 
 
 def _variables(part: Json, prefix: str) -> set[str]:

@@ -10,6 +10,7 @@ import itertools
 import logging
 import math
 import os
+import random
 import sys
 import traceback
 import warnings
@@ -22,16 +23,20 @@ from unittest.mock import patch
 
 import numpy as np
 from pathsim import Simulation
+from pathsim.blocks import Block
 
 from .._core.running import fly
+from .._core.seeding import draws_from_shared
 from .._core.wiring import warn_of_wiring
 from ..errors import DiagramError
+from .generators import SharedGenerators
 from .names import assignments, bound, own
 from .runs import Beginning, intercepted_runs
 from .script import Script, is_beside, main_program
 
 _RUNS = ("run", "run_streaming", "run_realtime")
 _STEPS = ("timestep", "step")
+_GENERATORS = (np.random.default_rng, np.random.RandomState, random.Random)
 _STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
 
 
@@ -63,6 +68,7 @@ class FirstRun(Script):
         self.states: list[tuple[str, int | None]] = []
         self.files: dict[str, int] = {}  # that functions name by a relative path, with the line
         self.result: Any = None
+        self.generators: SharedGenerators  # what has become of them when the run begins
         self._parents = {
             child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)
         }
@@ -82,7 +88,7 @@ class FirstRun(Script):
                 _undone(),
                 intercepted_runs(self._begin, *_RUNS[1:], *_STEPS, *_STATES),
             ):
-                self.namespace = vars(module)
+                self.namespace, self.generators = vars(module), SharedGenerators()
                 self.run(module)
                 if self.begun is None:  # the script may have caught what ends it
                     self._capture()
@@ -94,6 +100,17 @@ class FirstRun(Script):
                 self._capture()
         except Exception as error:
             self._refuse_failure(error)
+
+    def _call(self, index: bytes, make: Any, /, *args: Any, **kwargs: Any) -> Any:
+        builds = isinstance(make, type) and issubclass(make, Block)
+        if builds and not self._capturing:
+            self.generators.look()
+        if make in _GENERATORS and all(x is None for x in (*args, *kwargs.values())):
+            self.generators.drawn = True
+        made = super()._call(index, make, *args, **kwargs)
+        if builds and draws_from_shared(made):  # what a block draws, the model's draws itself
+            self.generators.look(own=False)
+        return made
 
     def _begin(self, run: Beginning) -> None:
         if self._capturing:  # `capture` makes the first run itself
@@ -115,6 +132,7 @@ class FirstRun(Script):
         """Read the finished diagram; errors are stored, because the script could catch them."""
         self._capturing = True
         try:
+            self.generators.look()
             self.simulation = self._the_simulation()
             self.run_call = self._find_run()
             self.statements = self._before_run()
@@ -210,18 +228,6 @@ class FirstRun(Script):
             and {n.id for n in ast.walk(node) if isinstance(n, ast.Name)} & {*names}
         ]
         return max(found, key=lambda n: n.lineno, default=None)
-
-    def seeding(self) -> str:
-        """The last statement with which the script seeds NumPy's global generator."""
-        calls = [n for n in ast.walk(self.tree) if isinstance(n, ast.Call) and n.args]
-        seeds = [n for n in calls if ast.unparse(n.func) in ("np.random.seed", "numpy.random.seed")]
-        if not seeds:
-            return ""
-        given: Any = seeds[-1].args[0]
-        value = getattr(given, "value", self.namespace.get(getattr(given, "id", "")))
-        if not isinstance(value, int):
-            self.refuse("functions draw from np.random; its seed must be a number", seeds[-1])
-        return f"np.random.seed({value})"
 
     def is_beside(self, module: str) -> bool:
         """Whether a module is the script, or a file beside it, which a model does not have."""
@@ -319,7 +325,7 @@ def _undone() -> Iterator[None]:
         stack.enter_context(np.printoptions())
         stack.enter_context(np.errstate())
         stack.callback(np.random.set_state, np.random.get_state())  # noqa: NPY002
-        np.random.seed()  # noqa: NPY002
+        stack.callback(random.setstate, random.getstate())
         stack.callback(logging.disable, before)
         logging.disable(max(before, logging.INFO))
         yield

@@ -1,0 +1,57 @@
+"""What a script does with the generators of random numbers that NumPy and Python share."""
+
+import random
+from typing import Any
+
+import numpy as np
+
+_WORDS = 624  # in the state of a Mersenne twister, which both are
+_STATES = 2000  # a state that so many draws of 624 words do not reach was set
+
+State = tuple[list[int], int]  # words, and how many of them are used
+
+
+class SharedGenerators:
+    """Their states before a script, and what becomes of them at each look.
+
+    ``drawn`` tells whether numbers without a seed were drawn; ``set`` names the modules whose
+    generator was seeded, or given a state; ``seed`` is the last seed of NumPy's.
+    """
+
+    def __init__(self) -> None:
+        np.random.seed()  # noqa: NPY002
+        self.drawn, self.seed, self.set = False, None, set[str]()
+        self._states = _states()
+
+    def look(self, own: bool = True) -> None:
+        """``own`` if what has happened since the last look is the script's doing."""
+        before, self._states = self._states, _states()
+        for name, state in self._states.items() if own else ():
+            if not _follows(state, before[name]):
+                self.set.add(name)
+            elif state != before[name]:
+                self.drawn = self.drawn or name not in self.set
+        seed: Any = self._states["numpy"][0][0]  # if nothing was drawn since
+        if self._states["numpy"] == _state(np.random.RandomState(seed)):
+            self.seed = seed
+
+
+def _states() -> dict[str, State]:
+    *words, used = random.getstate()[1]
+    return {"numpy": _state(np.random), "random": (words, used)}
+
+
+def _state(generator: Any) -> State:
+    _, words, used, *_ = generator.get_state()
+    return words.tolist(), used
+
+
+def _follows(state: State, before: State) -> bool:
+    """Whether draws lead from one state to another."""
+    generator: Any = np.random.RandomState()
+    generator.set_state(("MT19937", before[0], _WORDS))
+    for count in range(_STATES):
+        if _state(generator)[0] == state[0]:
+            return count > 0 or state[1] >= before[1]
+        generator.bytes(4 * _WORDS)
+    return False
