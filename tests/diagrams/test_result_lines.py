@@ -350,7 +350,7 @@ SIGNALS = {
         "heading # deg, @, overshoot # deg; altitude # to # ft": lambda f: (
             f["heading"][-1],
             f["heading"],
-            max(max(f["heading"]) - 10.0, 0.0),
+            max(max((f["heading"] - 10.0) * math.copysign(1.0, 10.0 - f["heading"][0])), 0.0),
             *f.span("altitude"),
         )
     },
@@ -540,7 +540,7 @@ OTHERWISE = {
     "pitch_hold": ["hold.theta_ref=20"],
     "airspeed_hold": ["faster.tau=30", "aircraft.speed=100", "faster.amplitude=0"],
     "altitude_hold": ["higher.amplitude=0"],
-    "heading_hold": ["heading_hold.psi_ref=330"],
+    "heading_hold": ["aircraft.heading=30", "heading_hold.psi_ref=20"],
     "van_der_pol": ["position.initial_value=0", "velocity.initial_value=0"],
     "yaw_damper": ["pulse.amplitude=[0, 0]"],
     "fleet_pitch_hold": ["step.amplitude=0"],
