@@ -127,7 +127,7 @@ def test_a_warning_goes_to_stderr_or_to_who_listens(code, where):
     assert ("FINISHED" in said[STDOUT]) == ("log=True" in code)
 
 
-RECIPE = (Path(__file__).parents[1] / "docs" / "conventions.md").read_text("utf-8")
+RECIPE = (Path(__file__).parents[1] / "docs" / "messages.md").read_text("utf-8")
 RECIPE = RECIPE.partition("## Warnings")[2].partition("```python")[2].partition("```")[0]
 
 
