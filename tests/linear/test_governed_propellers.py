@@ -9,7 +9,6 @@ from pathsim_jsbsim_blocks.flight.linearise import algebraic
 from plain_jsbsim import open_fdm
 
 from pathsim_jsbsim_blocks import Aircraft, LinearisationError
-from pathsim_jsbsim_blocks.flight import linear_model
 
 # every bundled aircraft with constant-speed propellers or a turboprop that trims: ft, KCAS
 SPEEDS = {
@@ -31,9 +30,10 @@ FAST = 8.0
 
 
 def plane(name, speed):
-    gear = 0.0 if name in ("pc7", "c310") else None
+    gear = 0.0 if name in ("pc7", "c310", "737") else None
     setup = {"propulsion/fuel_freeze": 1.0}
-    return Aircraft(name, altitude=SPEEDS[name][0], speed=speed, gear=gear, setup=setup)
+    altitude = SPEEDS.get(name, (5000,))[0]
+    return Aircraft(name, altitude=altitude, speed=speed, gear=gear, setup=setup)
 
 
 def settled(block, faster=0.0, higher=0.0):
@@ -108,5 +108,5 @@ def test_an_engine_that_does_not_settle_is_refused(monkeypatch):
 
 def test_other_aircraft_settle_at_once(monkeypatch):
     monkeypatch.setattr(algebraic, "_settle_in_time", None)
-    for name in ("c172p", "737"):
-        assert linear_model(name, method="algebraic").aircraft == name
+    for name, speed in (("c172p", 90), ("737", 260)):
+        assert plane(name, speed).linear_model("algebraic").aircraft == name
