@@ -29,6 +29,7 @@ REFUSED = {
     "--bank": ("99", "bank must lie in [-89, 89], not 99"),
     "--load-factor": ("nan", "load_factor must be finite"),
     "--mode": ("stedy", "mode must be one of"),
+    "--method": ("flwn", "did you mean 'flown'?"),
     "--beta": ("99", "beta must lie in [-30, 30], not 99"),
     "--throttle": ("2", "throttle must lie in [0, 1], not 2"),
     "--thrust": ("nan", "thrust must be finite"),

@@ -165,13 +165,24 @@ class LinearisationError(BlocksError, RuntimeError):
         control system), "no fit" or "engine" (it does not settle)
     name : str
         input or output that is concerned, empty if all are
+    servos : dict[str, float]
+        servos with hysteresis behind that input, with the width in the unit of each
     """
 
-    def __init__(self, message: str, *, aircraft: str = "", reason: str, name: str = ""):
+    def __init__(
+        self,
+        message: str,
+        *,
+        aircraft: str = "",
+        reason: str,
+        name: str = "",
+        servos: Mapping[str, float] | None = None,
+    ):
         super().__init__(message)
         self.aircraft = aircraft
         self.reason = reason
         self.name = name
+        self.servos = dict(servos or {})
 
 
 class DesignError(BlocksError, RuntimeError):
@@ -182,8 +193,8 @@ class DesignError(BlocksError, RuntimeError):
     aircraft : str
         the model's name
     reason : str
-        "no throttle", "unstable" (no gains settle a step), or the reason for which there is no
-        linear model, as in `LinearisationError`
+        "unstable" (no gains settle a step), or the reason for which there is no linear model, as in
+        `LinearisationError`
     loop : str
         "pitch", "roll", "heading", "altitude" or "speed"; empty if all are concerned
     """

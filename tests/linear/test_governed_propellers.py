@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from how_many import first
-from pathsim_jsbsim_blocks.flight.linearise import algebraic
+from pathsim_jsbsim_blocks.linear import algebraic
 from plain_jsbsim import open_fdm
 
 from pathsim_jsbsim_blocks import Aircraft, LinearisationError

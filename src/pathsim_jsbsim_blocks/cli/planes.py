@@ -207,6 +207,7 @@ def _print_modes(args: argparse.Namespace) -> None:
     number("--speed", "KCAS, one or several (default likewise)", nargs="+"),
     number("--gear", "0 up to 1 down (default: up where it retracts)"),
     number("--flaps", "0 to 1"),
+    option("--method", "of the linear model, as of modes", default="flown"),
     file("--save", "write the gains, as gains= takes them", "FILE.json"),
     ROOT,
     SET,
@@ -222,7 +223,9 @@ def gains(args: argparse.Namespace) -> int:
         flight = level_flight(args.aircraft, args.root)
         condition, needed = flight.condition, flight.create
     else:
-        _, needed, condition = prepared(args.aircraft, args.root)
+        airframe, needed, condition = prepared(args.aircraft, args.root)
+        if not airframe.engines:
+            condition = dataclasses.replace(condition, mode="glide")
     setup, model = setup_and_model(args)
     model["create"] = {**needed, **model["create"]}
     given = {"setup": {**condition.setup, **setup}, "gear": args.gear, "flaps": args.flaps}
@@ -241,6 +244,7 @@ def gains(args: argparse.Namespace) -> int:
             print(f"{found}\n", flush=True)
 
     try:
+        model["method"] = args.method
         found = design_schedule(args.aircraft, condition, altitudes, speeds, progress=tell, **model)
     except (DesignError, TrimError):  # at no condition: reported already
         return 1

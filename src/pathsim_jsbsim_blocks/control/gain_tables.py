@@ -15,7 +15,7 @@ from .._core.checks import as_path, did_you_mean, ending, nearest, one_of, refus
 from .._core.files import write_whole
 from ..errors import FileError, ParameterError
 from .airspeeds import true_airspeed
-from .gains import LOOPS, AircraftGains, DesignPoint, GainSchedule
+from .gains import LOOPS, OPTIONAL, AircraftGains, DesignPoint, GainSchedule
 
 FORMAT = "pathsim-jsbsim-blocks gains 1"
 # designed, and three that were tuned by hand on the nonlinear aircraft in still air
@@ -49,6 +49,10 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
     if isinstance(gains, GainSchedule):
         gains = gains.points[gains.nominal].gains
     if isinstance(gains, AircraftGains):
+        for loop in loops:
+            if loop != "envelope" and getattr(gains, loop) is None:
+                why = f"these gains have none of the loop {loop!r}: the aircraft has no engine"
+                refuse("gains", gains, why)
         return tuple(getattr(gains, loop) for loop in loops)
     if len(loops) == 1:
         return (_one_loop(gains, loops[0]),)
@@ -147,20 +151,26 @@ def _read(path: Path, written: int) -> GainSchedule:
 
 def schedule_from(document: Mapping[str, Any]) -> GainSchedule:
     """The gain schedule in a document as `document_of` makes it."""
-    loops = list(LOOPS)
     return GainSchedule(
         aircraft=document["aircraft"],
         points=tuple(
             DesignPoint(
                 altitude=point["altitude"],
                 speed=point["speed"],
-                gains=AircraftGains(*loop_gains({**point["gains"]}, *loops)),
+                gains=_all_loops({**point["gains"]}),
             )
             for point in document["points"]
         ),
         nominal=document["nominal"],
         **{name: str(document.get(name, "")) for name in _LANDING},
     )
+
+
+def _all_loops(gains: dict[str, Any]) -> AircraftGains:
+    """The gains of an aircraft from those of its loops by name."""
+    loops = [loop for loop in LOOPS if loop in gains or loop not in OPTIONAL]
+    values = zip(loops, loop_gains(gains, *loops), strict=True)
+    return AircraftGains(**{**dict.fromkeys(OPTIONAL), **dict(values)})
 
 
 def document_of(schedule: GainSchedule) -> dict[str, Any]:

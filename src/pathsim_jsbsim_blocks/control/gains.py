@@ -225,8 +225,9 @@ class AircraftGains:
     ----------
     pitch, roll : AttitudeGains
     heading : HeadingGains
-    altitude : AltitudeGains
-    speed : SpeedGains
+    altitude : AltitudeGains or None
+    speed : SpeedGains or None
+        None for an aircraft without an engine
     yaw : YawGains
     envelope : EnvelopeLimits, optional
         limits of the protection; None for none
@@ -235,13 +236,15 @@ class AircraftGains:
     pitch: AttitudeGains
     roll: AttitudeGains
     heading: HeadingGains
-    altitude: AltitudeGains
-    speed: SpeedGains
+    altitude: AltitudeGains | None
+    speed: SpeedGains | None
     yaw: YawGains
     envelope: EnvelopeLimits | None = None
 
 
-LOOPS = {**get_type_hints(AircraftGains), "envelope": EnvelopeLimits}
+# loops that may have no gains, and the kind of each
+OPTIONAL = {"altitude": AltitudeGains, "speed": SpeedGains, "envelope": EnvelopeLimits}
+LOOPS = {**get_type_hints(AircraftGains), **OPTIONAL}
 
 
 @known_keywords
@@ -332,8 +335,10 @@ class GainSchedule:
                 self.nominal,
                 f"nominal must be the index of one of {len(places)} points, not {self.nominal}",
             )
-        if len({point.gains.envelope is None for point in points}) > 1:
-            refuse("points", places, "all points of a gain schedule have envelope limits, or none")
+        for loop in OPTIONAL:
+            if len({getattr(point.gains, loop) is None for point in points}) > 1:
+                why = f"all points of a gain schedule have {loop} gains, or none"
+                refuse("points", places, why)
         object.__setattr__(self, "points", tuple(points))
 
     def at(self, h: float, vc: float) -> AircraftGains:
@@ -343,7 +348,8 @@ class GainSchedule:
             if (point.altitude, point.speed) == (h, vc):
                 return point.gains
         place = self.place(vc, h)
-        return AircraftGains(**{loop: self.gains_at(loop, place) for loop in self._numbers})
+        gains = {loop: self.gains_at(loop, place) for loop in self._numbers}
+        return AircraftGains(**{**dict.fromkeys(OPTIONAL), **gains})
 
     def place(self, vc: float, h: float | None = None) -> Place:
         """Where an airspeed and altitude are among the points, for `gains_at`.

@@ -54,6 +54,9 @@ _OPTIONS = ("setup", "properties", "root", "create", "allow_network", "allow_fil
 # weight of the throttle's stops in turbulence where a step in airspeed or altitude is not finished
 RELAXED_STOP_WEIGHT = 0.05
 
+# of an aircraft without an engine, in flights with its other loops
+_NO_ALTITUDE, _NO_SPEED = AltitudeGains(0.0, 0.0, 0.0), SpeedGains(0.0, 0.0)
+
 Held = tuple[SpeedGains, LoopReport, AltitudeGains, LoopReport]
 
 
@@ -66,8 +69,8 @@ class DesignedGains(AircraftGains):
     ----------
     pitch, roll : AttitudeGains
     heading : HeadingGains
-    altitude : AltitudeGains
-    speed : SpeedGains
+    altitude : AltitudeGains or None
+    speed : SpeedGains or None
     yaw : YawGains
     envelope : EnvelopeLimits, optional
     aircraft : str
@@ -122,6 +125,7 @@ def design_gains(
     aircraft: str,
     condition: TrimCondition | None = None,
     *,
+    method: str = "flown",
     T: float = 1 / 120,
     substeps: int = 1,
     check: bool = True,
@@ -138,14 +142,19 @@ def design_gains(
     steps on the linear model with ramps and limits. Those of airspeed and altitude are judged in
     moderate turbulence, too: altitude within 60 ft, pitch angle within 5 deg rms, and the throttle
     at a stop in 5 % of the time. Where no candidate meets all of these, the margins are relaxed in
-    steps, and the report says what is not met.
+    steps, and the report says what is not met. In a glide (``mode="glide"``) the loops that need an
+    engine, airspeed and altitude, and the limits of the envelope are left out.
 
     Parameters
     ----------
     aircraft : str
         name of the JSBSim model
     condition : TrimCondition, optional
-        level flight; default: where `level_flight` trims it
+        level flight, or a glide; default: where `level_flight` trims it
+    method : str
+        of the linear model, as in `Aircraft.linear_model`: "algebraic" where servos have hysteresis
+        that small pulses do not pass. Actuators and hysteresis are then not in it, and the report
+        says what limit cycle remains in the flown steps
     T : float
         sample period of the loops in s
     substeps : int
@@ -197,14 +206,7 @@ def design_gains(
 
     plane = fresh()
     trim = plane.trim
-    if not trim.throttle:
-        raise DesignError(
-            f"no gains for {aircraft!r}: it has no engine to hold an airspeed with",
-            aircraft=aircraft,
-            reason="no throttle",
-            loop="speed",
-        )
-    model = linear_model(plane)
+    model = linear_model(plane, method)
 
     def airframe() -> Airframe:
         return Airframe(
@@ -216,7 +218,9 @@ def design_gains(
         )
 
     setup = {**condition.setup, **(options.get("setup") or {})}
-    limits = envelope(airframe, replace(condition, setup=setup), trim, trim.speed)
+    limits = None
+    if has_power(trim):
+        limits = envelope(airframe, replace(condition, setup=setup), trim, trim.speed)
 
     def shaped(*attitudes: Loop) -> DesignedGains:
         loops = _loops(model, condition.altitude, trim, limits, Neighbours(near), *attitudes)
@@ -272,13 +276,19 @@ def check_near(near: Any, kind: type) -> None:
         refuse("near", near, f"near must be a list of {kind.__name__}, not {reprlib.repr(near)}")
 
 
-def linear_model(plane: Aircraft) -> LinearModel:
+def has_power(trim: TrimState) -> bool:
+    """Whether an engine holds the airspeed."""
+    return bool(trim.throttle) and trim.condition.mode != "glide"
+
+
+def linear_model(plane: Aircraft, method: str = "flown") -> LinearModel:
     """What the loops are shaped for: the aircraft about its trim."""
+    inputs = _INPUTS if has_power(plane.trim) else _INPUTS[:3]
     try:
         with warnings.catch_warnings():
             # kinks at the trim; the steps are flown on the aircraft itself
             warnings.simplefilter("ignore", RuntimeWarning)
-            return plane.linear_model(inputs=_INPUTS, outputs=_OUTPUTS)
+            return plane.linear_model(method, inputs, _OUTPUTS)
     except LinearisationError as error:
         name = plane.airframe.aircraft
         raise DesignError(
@@ -293,7 +303,7 @@ def _loops(
     model: LinearModel,
     altitude: float,
     trim: TrimState,
-    limits: EnvelopeLimits,
+    limits: EnvelopeLimits | None,
     near: Neighbours,
     pitching: Loop,
     rolling: Loop,
@@ -309,7 +319,10 @@ def _loops(
     plant = closed(plant, PITCH, pitch, "theta_cmd")
     roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, rolling, trim, vt, near)
     heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
-    speed, quick, climb, climbing = _speed_and_altitude(plant, trim, vt, limits, ramp, near)
+    held: Held | None = None
+    if limits is not None:
+        held = _speed_and_altitude(plant, trim, vt, limits, ramp, near)
+    speed, quick, climb, climbing = held or (None, _left_out("speed"), None, _left_out("altitude"))
     report = [pitched, rolled, coordinated, steered, quick, climbing]
     return {
         "pitch": pitch,
@@ -320,6 +333,12 @@ def _loops(
         "yaw": yaw,
         "report": tuple(row for row in report if row is not None),
     }
+
+
+def _left_out(loop: str) -> LoopReport:
+    """The report of a loop that needs an engine."""
+    nothing = (math.nan,) * 5
+    return replace(LoopReport(loop, *nothing), relaxed="left out: no engine")
 
 
 def _roll_and_yaw(
@@ -403,13 +422,28 @@ def _finished(held: Held) -> int:
 def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGains:
     """The report with the steps in pitch and roll flown on the nonlinear aircraft."""
     report = list(designed.report)
+    # the autopilot has all loops
+    gains = replace(
+        designed, altitude=designed.altitude or _NO_ALTITUDE, speed=designed.speed or _NO_SPEED
+    )
     for i, row in enumerate(report):
         if row.loop in ("pitch", "roll"):
+            step = STEPS[row.loop]
             try:
-                flown = fly_step(fresh, designed, STEPS[row.loop], seconds=10.0).quality
+                flight = fly_step(fresh, gains, step, seconds=10.0)
             except FlightError as error:
                 why = f"the step in {row.loop} ends the flight: {error}"
                 raise Unstable(row.loop, why) from error
+            flown, relaxed = flight.quality, row.relaxed
             settling = math.inf if math.isnan(flown.settling) else flown.settling
-            report[i] = replace(row, flown_settling=settling, flown_overshoot=flown.overshoot)
+            if math.isinf(settling):
+                late = flight.outputs[step.output][flight.time > flight.time[-1] - 5.0]
+                swing = f"limit cycle of +-{(late.max() - late.min()) / 2:.2f} {step.required.unit}"
+                relaxed = f"{relaxed}, {swing}" if relaxed else swing
+            report[i] = replace(
+                row,
+                flown_settling=settling,
+                flown_overshoot=flown.overshoot,
+                relaxed=relaxed,
+            )
     return replace(designed, report=tuple(report))

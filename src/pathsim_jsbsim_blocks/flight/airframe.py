@@ -374,6 +374,11 @@ class Airframe(PropertyTree):
             for name in on:
                 self.fdm[name] = 1.0
 
+    @property
+    def folder(self) -> Path:
+        """The folder of the model's files."""
+        return self._file.path.parent
+
     def run_no_time(self) -> None:
         """A step of JSBSim in which nothing moves; its systems take a step of usual length."""
         self.fdm.set_dt(_INSTANT)

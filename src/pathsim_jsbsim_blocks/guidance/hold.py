@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .._core.docstrings import filler
 from ..control.controller import FLYING, SECTIONS, Hold
+from ..control.gain_tables import loop_gains
 from ..control.gains import AltitudeGains, AttitudeGains, EnvelopeLimits
 from ..control.loops import attitude_loop
 from .climb_loops import AltitudeLoop
@@ -55,7 +56,7 @@ class GuidedHold(Hold):
         T, c = self.clock.period, self.checked
         limits = getattr(c, "hdot_max", None), c.theta_min, c.theta_max
         for point in self._schedule.points if self._schedule else ():
-            AltitudeLoop(T, point.gains.altitude, *limits)
+            AltitudeLoop(T, loop_gains(point.gains, "altitude")[0], *limits)
         return AltitudeLoop(T, gains, *limits)
 
     def vertical_loops(

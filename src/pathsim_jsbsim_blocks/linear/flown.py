@@ -9,7 +9,7 @@ import numpy as np
 from .._core.callers import warn_user
 from .._core.checks import did_you_mean, mapping, nearest, positive, refuse
 from .._core.pathsim_internals import values
-from ..errors import FlightError
+from ..errors import FlightError, LinearisationError
 from ..flight.airframe import Airframe
 from ..flight.channels import (
     RIGID,
@@ -24,6 +24,7 @@ from ..flight.flyable import Flyable
 from .identification import Realisation, realise, respond
 from .linearised import Linearised, no_model
 from .model import LinearModel
+from .servos import hysteresis
 
 # s; a pulse of this length moves the attitude little and the accelerations enough
 _PULSE = 0.025
@@ -96,9 +97,19 @@ def flown_model(
         why = "there is no input to move; give the block inputs, or use method='algebraic'"
         raise no_model(plane, "no response", why)
     flights = _Flights(subject, mapping("amplitude", amplitude))
-    responses = _Responses(subject, flights, *flights.fly_all(build))
-    found = responses.realised()
-    return _named(subject, found, flights, responses.still[0], *responses.judged(found))
+    try:
+        responses = _Responses(subject, flights, *flights.fly_all(build))
+        found = responses.realised()
+        return _named(subject, found, flights, responses.still[0], *responses.judged(found))
+    except LinearisationError as error:
+        moved = [name for c in subject.inputs if c.name == error.name for name in c.properties]
+        servos = hysteresis(plane.airframe.folder, moved)
+        if not servos:
+            raise
+        widths = ", ".join(f"{name} {width:g}" for name, width in servos.items())
+        why = f"servos of {error.name!r} have hysteresis (width {widths}), which pulses do not pass"
+        why += "; use method='algebraic'"
+        raise no_model(plane, error.reason, why, error.name, servos) from error
 
 
 class _Responses:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,13 @@ from ..flight.flyable import Flyable
 from .model import LinearModel, find
 
 
-def no_model(plane: Flyable, reason: str, why: str, name: str = "") -> LinearisationError:
+def no_model(
+    plane: Flyable, reason: str, why: str, name: str = "", servos: Mapping[str, float] | None = None
+) -> LinearisationError:
     """The error of an aircraft without a linear model."""
     aircraft = plane.airframe.aircraft
-    return LinearisationError(
-        f"no linear model of {aircraft!r}: {why}", aircraft=aircraft, reason=reason, name=name
-    )
+    why = f"no linear model of {aircraft!r}: {why}"
+    return LinearisationError(why, aircraft=aircraft, reason=reason, name=name, servos=servos)
 
 
 class Linearised:
