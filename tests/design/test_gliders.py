@@ -6,11 +6,11 @@ from pathsim import Connection, Simulation
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
+    AirspeedHold,
     AltitudeHold,
     ParameterError,
     PitchHold,
     RollHold,
-    AirspeedHold,
     TrimCondition,
 )
 from pathsim_jsbsim_blocks.design import DesignedSchedule, design_gains
