@@ -280,7 +280,7 @@ BARE = DesignPoint(0.0, 200.0, dataclasses.replace(GAINS["737"], envelope=None))
     [
         (lambda points: GainSchedule("737", points[::-1]), "sorted by altitude"),
         (lambda points: GainSchedule("737", points, nominal=3), "index of one of 3 points"),
-        (lambda points: GainSchedule("737", (BARE, *points)), "envelope limits, or none"),
+        (lambda points: GainSchedule("737", (BARE, *points)), "envelope gains, or none"),
         (lambda points: GainSchedule("737", None), "list of DesignPoint"),
         (lambda points: GainSchedule("737", (3,)), "list of DesignPoint"),
         (lambda points: GainSchedule("737", points[0]), "list of DesignPoint"),
