@@ -5,10 +5,10 @@ import warnings
 import numpy as np
 import pytest
 from how_many import first
-from pathsim_jsbsim_blocks.linear import algebraic
 from plain_jsbsim import open_fdm
 
 from pathsim_jsbsim_blocks import Aircraft, LinearisationError
+from pathsim_jsbsim_blocks.linear import algebraic
 
 # every bundled aircraft with constant-speed propellers or a turboprop that trims: ft, KCAS
 SPEEDS = {

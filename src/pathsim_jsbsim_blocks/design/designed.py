@@ -10,7 +10,7 @@ import reprlib
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 from .._core.checks import flag, known_keywords, refuse, refuse_unknown
 from .._core.units import GRAVITY
@@ -125,7 +125,7 @@ def design_gains(
     aircraft: str,
     condition: TrimCondition | None = None,
     *,
-    method: str = "flown",
+    method: Literal["flown", "algebraic"] = "flown",
     T: float = 1 / 120,
     substeps: int = 1,
     check: bool = True,
@@ -281,7 +281,7 @@ def has_power(trim: TrimState) -> bool:
     return bool(trim.throttle) and trim.condition.mode != "glide"
 
 
-def linear_model(plane: Aircraft, method: str = "flown") -> LinearModel:
+def linear_model(plane: Aircraft, method: Literal["flown", "algebraic"] = "flown") -> LinearModel:
     """What the loops are shaped for: the aircraft about its trim."""
     inputs = _INPUTS if has_power(plane.trim) else _INPUTS[:3]
     try:
