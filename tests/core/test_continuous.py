@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pathsim.exceptions import LinearizationError
 
-from pathsim_jsbsim_blocks._core.continuous import continuous_equivalent
+from pathsim_jsbsim_blocks._core.continuous import at_limit, continuous_equivalent
 
 T = 0.02
 
@@ -86,3 +86,27 @@ def test_what_has_no_equivalent_is_an_error():
     # a pole at z = -1 is at infinity in s
     with pytest.raises(LinearizationError, match="my law has no continuous equivalent"):
         continuous_equivalent(lambda u, x: ([x], u[0] - x), [1.0], 1.0, T, "my law")
+
+
+@pytest.mark.parametrize(
+    ("act", "at", "idle"),
+    [
+        (lambda x: min(max(x, -2.0), 2.0), 2.5, True),
+        (lambda x: min(max(x, -2.0), 2.0), -300.0, True),
+        (lambda x: 0.5 * round(x / 0.5), 0.1, True),  # a quantum
+        (lambda x: min(max(x, -2.0), 2.0), 1.5, False),
+        (lambda x: float(x != 0.0), 0.0, False),  # a switch
+        (lambda x: 3.0, 0.0, False),
+        (lambda x: x * x, 0.0, False),
+    ],
+)
+def test_a_law_at_its_limit_acts_farther_off(act, at, idle):
+    def law(u, state):
+        return [act(u[0]) + u[1], u[1]], state
+
+    model, ports = continuous_equivalent(law, [at, 0.0], (), T, "law"), {"a": 0, "b": 1}
+    assert at_limit(law, [at, 0.0], (), model, ports, ports) == (["a"] if idle else [])
+    # with nothing beside it the output stands still
+    alone = lambda u, state: ([act(u[0])], state)  # noqa: E731
+    model = continuous_equivalent(alone, [at], (), T, "law")
+    assert at_limit(alone, [at], (), model, {}, {"y": 0}) == (["y"] if idle else [])

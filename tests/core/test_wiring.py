@@ -1,5 +1,6 @@
 """Mistakes in the wiring are named, and nothing else is."""
 
+import json
 import warnings
 
 import pytest
@@ -9,6 +10,7 @@ from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Amplifier, Constant, Scope
 
 from pathsim_jsbsim_blocks import (
+    Actuator,
     Aircraft,
     AltitudeHold,
     Autopilot,
@@ -17,6 +19,7 @@ from pathsim_jsbsim_blocks import (
     FlightRecorder,
     ISAtmosphere,
     JSBSimFDM,
+    LinearAircraft,
     Microburst,
     PitchHold,
     WindShear,
@@ -24,6 +27,7 @@ from pathsim_jsbsim_blocks import (
     fly,
 )
 from pathsim_jsbsim_blocks.catalogue import diagram_names, load_diagram
+from pathsim_jsbsim_blocks.control.gain_tables import TABLES, table
 
 # what a hold needs from the aircraft
 MEASURED = {"theta": "theta", "q": "q", "elev_sat": "elev_sat"}
@@ -255,3 +259,125 @@ def test_a_plain_run_warns_of_what_a_block_sees_itself():
     measured, jumps = said(sim, lambda: sim.run(0.05))
     assert measured == "PitchHold measures 0 where no wire comes in: theta"
     assert "jumps over a sample instant" in jumps
+
+
+def elevator(plane, hold, through=()):
+    """Wires of a pitch hold, whose command goes through other blocks."""
+    chain = [hold["elevator"], *through]
+    ends = [*through, plane["elevator"]]
+    command = [Connection(a, b) for a, b in zip(chain, ends, strict=True)]
+    return [*command, *(Connection(plane[a], hold[b]) for a, b in MEASURED.items())]
+
+
+def others(name, plane):
+    return [f"hold has the gains of {name}, but flies plane, which is {plane}"]
+
+
+OWN = table("c172p").points[0].gains
+
+
+@pytest.mark.parametrize(
+    ("gains", "said_of"),
+    [
+        ("c172p", []),
+        ("737", others("737", "c172p")),
+        (table("737"), others("737", "c172p")),
+        ({"altitude": "737", "pitch": OWN.pitch}, others("737", "c172p")),
+        ({"altitude": "c172p", "pitch": "737"}, []),  # in part those of this one
+        ({"altitude": OWN.altitude, "pitch": OWN.pitch}, []),
+        (OWN, []),
+    ],
+)
+def test_gains_of_another_aircraft(gains, said_of):
+    plane, hold = Aircraft("c172p", altitude=5000, speed=90), AltitudeHold(gains=gains)
+    names = {"h": "h", "hdot": "hdot", **MEASURED}
+    wires = [Connection(plane[a], hold[b]) for a, b in names.items()]
+    wires += [Connection(hold["elevator"], plane["elevator"])]
+    sim = Simulation([plane, hold], wires, dt=1 / 120, log=False)
+    assert said(sim) == said_of
+    assert said(sim) == []
+
+
+def test_gains_of_a_file_are_for_the_aircraft_that_it_names(tmp_path):
+    file = tmp_path / "mine.json"
+    for name, expected in (("c172p", []), ("c310", others("c310", "c172p"))):
+        document = json.loads((TABLES / "c172p.json").read_text())
+        file.write_text(json.dumps({**document, "aircraft": name}))
+        plane, hold = Aircraft("c172p", altitude=5000, speed=90), PitchHold(gains=str(file))
+        file.unlink()  # what it said is known
+        assert (
+            said(Simulation([plane, hold], elevator(plane, hold), dt=1 / 120, log=False))
+            == expected
+        )
+
+
+def test_gains_of_another_aircraft_through_other_blocks():
+    for kind in (LinearAircraft, Aircraft):
+        plane, hold = kind("c172p", altitude=5000, speed=90), PitchHold(gains="737")
+        through = [Adder(), Actuator(), Amplifier(1.0)]
+        wires = elevator(plane, hold, through)
+        sim = Simulation([plane, hold, *through], wires, dt=1 / 120, log=False)
+        assert said(sim) == others("737", "c172p")
+    stick = "fcs/elevator-cmd-norm"
+    plane = JSBSimFDM(
+        input_properties=[stick],
+        output_properties=["attitude/theta-deg", "velocities/q-rad_sec"],
+        aircraft_model="c172p",
+        trim_airspeed=90,
+        trim_altitude=5000,
+    )
+    hold, limit = PitchHold(gains="737"), Amplifier(0.0)
+    wires = [
+        Connection(hold["elevator"], limit),
+        Connection(limit, plane[stick]),
+        Connection(plane[0, 1], hold["theta", "q"]),
+    ]
+    assert said(Simulation([plane, hold, limit], wires, dt=1 / 120, log=False)) == others(
+        "737", "c172p"
+    )
+
+
+@pytest.mark.parametrize("model", ["c172p", "737"])
+def test_gains_in_a_subsystem(model):
+    inside, hold = Interface(), PitchHold(gains="c172p")
+    box = Subsystem(
+        [inside, hold],
+        [
+            Connection(inside[0, 1], hold["theta", "q"]),
+            Connection(hold["elevator"], inside[0]),
+            Connection(hold["theta_cmd"], inside[1]),
+        ],
+    )
+    plane = Aircraft(model, altitude=5000, speed={"c172p": 90, "737": 250}[model], gear=1.0)
+    wires = [Connection(plane["theta", "q"], box[0, 1]), Connection(box[0], plane["elevator"])]
+    expected = [] if model == "c172p" else others("c172p", "737")
+    assert said(Simulation([plane, box], wires, dt=1 / 120, log=False)) == expected
+
+
+def test_two_aircraft_each_with_its_own_gains():
+    light, heavy = (
+        Aircraft("c172p", altitude=5000, speed=90),
+        Aircraft("737", altitude=5000, speed=250, gear=1.0),
+    )
+    one, two = PitchHold(gains="c172p"), PitchHold(gains="737")
+    # one follows the other: no command of it
+    follow = Connection(one["theta_cmd"], two["theta_ref"])
+    wires = [*elevator(light, one), *elevator(heavy, two), follow]
+    assert said(Simulation([light, heavy, one, two], wires, dt=1 / 120, log=False)) == []
+
+
+@pytest.mark.parametrize("wire", [False, True])
+def test_a_wire_that_is_switched_off_flies_nothing(wire):
+    plane, hold = Aircraft("c172p", altitude=5000, speed=90), PitchHold(gains="737")
+    wires = elevator(plane, hold)
+    if not wire:
+        wires[0].off()
+    expected = others("737", "c172p") if wire else []
+    assert said(Simulation([plane, hold], wires, dt=1 / 120, log=False)) == expected
+
+
+def test_load_diagram_tells_of_gains_of_another_aircraft():
+    with pytest.warns(
+        RuntimeWarning, match="has the gains of 737, but flies Aircraft, which is c172p"
+    ):
+        load_diagram("pitch_hold", {"hold.gains": "737"})

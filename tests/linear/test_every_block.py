@@ -38,6 +38,7 @@ OPTIONS = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:FlareHold is at a limit")  # on the ground
 @pytest.mark.filterwarnings("ignore:c172p. the response of vt to elevator is not linear")
 @pytest.mark.parametrize("kind", BLOCKS, ids=lambda kind: kind.__name__)
 def test_it_has_a_linear_model(kind):

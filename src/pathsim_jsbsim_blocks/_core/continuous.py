@@ -14,10 +14,14 @@ _STEP = 1e-6
 # relative difference of two slopes beyond which a law is not smooth
 _BROKEN = 0.2
 
+# how far off a limit is looked for, in the unit of an input; not from 1 to 0, which is a switch
+_FAR = [sign * 10.0**k for k in range(-1, 5) for sign in (3.0, -3.0)]
+
 # samples after which a law's state is complete
 _ENGAGING = 4
 
 Law = Callable[[list[float], Any], tuple[list[float], Any]]
+Ports = dict[str, int]
 Matrices = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -68,6 +72,28 @@ def continuous_equivalent(law: Law, u: list[float], state: Any, T: float, name: 
         C,
         D - C @ inverse @ B,
     )
+
+
+def at_limit(
+    law: Law, u: list[float], state: Any, model: Matrices, inputs: Ports, outputs: Ports
+) -> list[str]:
+    """Inputs and outputs on which only larger changes act: a ramp or a stop is on the way."""
+    _, B, C, D = model
+
+    def after(i: int, distance: float) -> np.ndarray:
+        moved = [x + distance * (j == i) for j, x in enumerate(u)]
+        # of the second sample: a limit of a rate does not show in the first
+        return np.array(law(moved, law(moved, state)[1])[0])
+
+    names = []
+    for i in range(len(u)):
+        here = after(i, 0.0)
+        # a switch acts at once
+        hidden = np.any([after(i, x) != here for x in _FAR], 0) & (after(i, _STEP) == here)
+        idle = hidden.any() and not (B[:, i].any() or D[:, i].any())
+        names += [n for n, k in inputs.items() if k == i and idle]
+        names += [n for n, k in outputs.items() if hidden[k] and not (C[k].any() or D[k].any())]
+    return list(dict.fromkeys(names))
 
 
 def _slope(step: Callable[[np.ndarray], np.ndarray], here: np.ndarray, i: int) -> np.ndarray:

@@ -30,7 +30,9 @@ from __future__ import annotations
 
 import math
 import sys
+import warnings
 from collections.abc import Mapping
+from copy import copy
 from typing import Any, ClassVar
 from weakref import WeakKeyDictionary
 
@@ -39,9 +41,9 @@ from pathsim.exceptions import LinearizationError
 
 from .callers import depth_in_subsystems, warn_user
 from .checks import number, positive, refuse
-from .continuous import Matrices, continuous_equivalent
+from .continuous import Matrices, at_limit, continuous_equivalent
 from .parameters import Parametric
-from .pathsim_internals import WiredRegister, show, values
+from .pathsim_internals import WiredRegister, port_names, show, values
 from .pathsim_types import Block
 
 # s; catches typos such as T=1e-9
@@ -504,10 +506,23 @@ class SampledLaw(Parametric, SampledBlock):
     def to_statespace(self, t: float) -> Matrices:
         """A, B, C, D of the continuous equivalent about the present state, without the hold.
 
-        A LinearizationError tells where there is none.
+        A LinearizationError tells where there is none, a warning where the law is at a limit.
         """
         u, (k, _, state) = values(self.inputs), self.clock.now
         if k == 0:
             # bumpless: the first sample engages the law where it is
             _, state = self.law(u, state)
-        return continuous_equivalent(self.law, u, state, self.clock.period, type(self).__name__)
+        name = type(self).__name__
+        model = continuous_equivalent(self.law, u, state, self.clock.period, name)
+        inputs, outputs = port_names(self.inputs), port_names(self.outputs)
+        # a reference has a parameter of its name
+        references = {n: i for n, i in inputs.items() if n in vars(self.checked)}
+        commands = {n: outputs[n] for n in self.commands or [*outputs][:1]}
+        with warnings.catch_warnings():
+            # what a block warns of once, its copy would here
+            warnings.simplefilter("ignore")
+            idle = at_limit(copy(self).law, u, state, model, references, commands)
+        if idle:
+            why = f"{name} is at a limit, a ramp or a stop: in its linear model there "
+            warn_user(f"{why}{' and '.join(idle)} does not act")
+        return model

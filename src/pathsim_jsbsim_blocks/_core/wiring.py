@@ -5,6 +5,7 @@ PathSim runs on with these.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 from weakref import WeakSet
@@ -25,8 +26,9 @@ def warn_of_wiring(sim: Simulation) -> None:
     """Warn, at the user's line, of what looks like a mistake in the wiring of a diagram.
 
     That is a wired block that is not in the simulation, two wires into one port, an input without
-    a wire whose 0 is a value of its own, and a command or a wind that goes nowhere. `fly`, the
-    command line, ``load_diagram``, batches, environments and the export call this.
+    a wire whose 0 is a value of its own, a command or a wind that goes nowhere, and commands with
+    the gains of another aircraft. `fly`, the command line, ``load_diagram``, batches, environments
+    and the export call this.
 
     Warns
     -----
@@ -45,11 +47,15 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
     known = {id(block) for block in blocks}
     starts: set[tuple[int, int]] = set()
     ends: dict[tuple[int, int], tuple[Block, int]] = {}
+    leads: dict[Block, list[tuple[int, Block]]] = defaultdict(list)
+    # a subsystem and its interface are one
+    whole = {b.interface: b for b in blocks if isinstance(b, Subsystem)}
     for connection in connections:
         for source, i, target, j in _wires(connection):
             starts.add((id(source), i))
             if not (connection and source):
                 continue  # switched off: another wire may take its place
+            leads[whole.get(source, source)].append((i, whole.get(target, target)))
             for block in (source, target):
                 if id(block) not in known:
                     known.add(id(block))
@@ -77,8 +83,22 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
             (i,), wired = _numbers([command], block.outputs), {j for b, j in ends if b == id(block)}
             if (id(block), i) not in starts and not wired & {*_numbers([switch], block.inputs)}:
                 yield f"{_port(block, i, block.outputs)} goes nowhere: no wire leads from it"
+        if models := getattr(block, "tuned_for", ()):
+            for plane in _flown(leads, block, _numbers(commands, block.outputs)):
+                if plane.model_name not in models:
+                    whose = f"{name_of(block)} has the gains of {' and '.join(models)}"
+                    yield f"{whose}, but flies {name_of(plane)}, which is {plane.model_name}"
         if getattr(block, "is_wind", False) and not any(b == id(block) for b, _ in starts):
             yield f"{name_of(block)} blows nowhere: no wire leads from it"
+
+
+def _flown(leads: Any, block: Block, ports: list[int]) -> list[Any]:
+    """The aircraft that outputs of a block lead to, through others without gains."""
+    reached = [target for i, target in leads[block] if i in ports]
+    for other in reached:  # it grows
+        if not (hasattr(other, "model_name") or hasattr(other, "tuned_for")):
+            reached += [target for _, target in leads[other] if target not in reached]
+    return [other for other in reached if hasattr(other, "model_name")]
 
 
 def _wires(connection: Connection) -> Iterator[tuple[Block, int, Block, int]]:

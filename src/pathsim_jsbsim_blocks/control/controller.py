@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 from .._core.callers import warn_user
 from .._core.checks import must_be, number, one_of
 from .._core.docstrings import filler
 from .._core.sampling import SampledLaw
-from .gain_tables import loop_gains, schedule_of
+from .gain_tables import loop_gains, named, schedule_of
 from .loops import HeadingLoop, Reference, ReferenceLoop, attitude_loop
 
 # what a wired reference port is
@@ -116,6 +117,8 @@ class Hold(SampledLaw):
     gains: Any
     reference: ReferenceKind = "increment"
     _warned_of: frozenset[str] = frozenset()  # ports and parameters
+    # aircraft that the gains are for, where they name any
+    tuned_for: Sequence[str] = ()
 
     def initial_state(self) -> Any:
         return self.START
@@ -123,6 +126,8 @@ class Hold(SampledLaw):
     def gains_of(self, *names: str) -> tuple[Any, ...]:
         """Gains of the loops, at the nominal point of a schedule."""
         self._schedule = schedule_of(self.gains)
+        parts = self.gains.values() if isinstance(self.gains, Mapping) else [self.gains]
+        self.tuned_for = sorted({table.aircraft for table in map(named, parts) if table})
         return loop_gains(self.gains, *names)
 
     @property

@@ -346,6 +346,10 @@ class FlightBlock(Parametric, SampledPlant):
             observe(self)
 
     @property
+    def model_name(self) -> str:
+        return self.airframe.aircraft
+
+    @property
     def fdm(self) -> jsbsim.FGFDMExec:
         """The live ``jsbsim.FGFDMExec``, for inspection only; `reset` may replace it."""
         return self.airframe.fdm

@@ -65,6 +65,10 @@ class LinearModelBlock(Parametric, StateSpace):
                 why = f"{name} cannot change once the model is made: build another block"
                 refuse(name, value, why)
 
+    @property
+    def model_name(self) -> str:
+        return self.model.aircraft
+
     # methods, because functions made here could not be pickled, nor copied with the block
     def _slope(self, x: Any, u: Any, t: float) -> Any:
         return self.A @ x + self.B @ (u - self.model.u0)
