@@ -11,7 +11,7 @@ import jsbsim
 
 BUNDLED = Path(jsbsim.get_default_root_dir())
 
-_ELECTRIC = '<electric_engine name="motor"><power unit="WATTS">{}</power></electric_engine>'
+ELECTRIC = '<electric_engine name="motor"><power unit="WATTS">{}</power></electric_engine>'
 
 
 def changed(root, aircraft, *changes, files=None):
@@ -40,14 +40,14 @@ def before(tag, text):
     return rf"\A(.*?)(?=<{tag}\b)", lambda match: match[1] + text
 
 
-def electric_single(root, watts=120_000.0):
-    """The c172x with an electric motor at its propeller of fixed pitch."""
-    return changed(root, "c172x", files={"engine/eng_io320.xml": _ELECTRIC.format(watts)})
+def electric_single(root, watts=120_000.0, aircraft="c172x"):
+    """The c172x (or c172p) with an electric motor at its propeller of fixed pitch."""
+    return changed(root, aircraft, files={"engine/eng_io320.xml": ELECTRIC.format(watts)})
 
 
 def electric_twin(root, watts=180_000.0):
     """The c310 with two electric motors at its constant-speed propellers."""
-    return changed(root, "c310", files={"engine/engIO470D.xml": _ELECTRIC.format(watts)})
+    return changed(root, "c310", files={"engine/engIO470D.xml": ELECTRIC.format(watts)})
 
 
 def without_contents(root, aircraft="c172x"):

@@ -8,15 +8,18 @@ import jsbsim
 import models_from_outside as outside
 import numpy as np
 import pytest
+from pathsim import Connection, Simulation
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
     FlightError,
     JSBSimFDM,
     ParameterError,
+    PitchHold,
     TrimCondition,
     TrimError,
 )
+from pathsim_jsbsim_blocks.design import design_gains
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.flight.trimming.effects import command_effects
 
@@ -124,6 +127,67 @@ def test_a_motor_trims_as_a_plain_loop_holds_it(single):
     assert fdm["velocities/vc-kts"] == pytest.approx(90.0, abs=0.5)
 
 
+_WINDINGS = """<brushless_dc_motor name="motor"><velocityconstant>6</velocityconstant>
+<coilresistance>0.05</coilresistance><noloadcurrent>1</noloadcurrent><maxvolts>480</maxvolts>
+</brushless_dc_motor>"""
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "change", "files"),
+    [
+        ("c172x", (), {"engine/eng_io320.xml": _WINDINGS}),
+        # in the aircraft's own folder, and in the aircraft's own file
+        (
+            "c172p",
+            ('file="eng_io320"', 'file="motor.xml"'),
+            {"aircraft/c172p/Engines/motor.xml": outside.ELECTRIC.format(115_000)},
+        ),
+        ("c172p", ('file="eng_io320">', ">" + outside.ELECTRIC.format(115_000)), {}),
+        # tanks that it does not burn from
+        (
+            "c172p",
+            ("<contents.*?</contents>", ""),
+            {"engine/eng_io320.xml": outside.ELECTRIC.format(115_000)},
+        ),
+    ],
+    ids=["brushless", "own folder", "inline", "empty tanks"],
+)
+def test_so_do_motors_in_other_places(tmp_path, aircraft, change, files):
+    root = outside.changed(tmp_path, aircraft, *[change] * bool(change), files=files)
+    airframe = Airframe(aircraft, root=root)
+    assert [engine.type for engine in airframe.engine_list] == ["electric"]
+    assert abs(trim(airframe, TrimCondition(**SINGLE), fly=10.0).drift.height) < 1.0  # ft
+
+
+def test_beside_a_motor_a_piston_engine_may_be_off(tmp_path):
+    first = r'(<engine file="engIO470D">.*?<engine file=")engIO470D', r"\1motor"
+    files = {"engine/motor.xml": outside.ELECTRIC.format(180_000)}
+    airframe = Airframe("c310", root=outside.changed(tmp_path, "c310", first, files=files))
+    off = TrimCondition(altitude=2000, speed=100, gear=0, engines_off=[0])
+    state = trim(airframe, off, fly=10.0)
+    left, right = (airframe.fdm[name] for name in airframe.of_engines("thrust-lbs"))
+    assert left <= 0.0 < right
+    assert abs(state.drift.height) < 1.0  # ft
+    with pytest.raises(ParameterError):
+        trim(airframe, dataclasses.replace(off, engines_off=[1]))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("aircraft", "condition"), [("c172p", SINGLE), ("c310", TWIN)])
+def test_electric_aircraft_have_linear_models_gains_and_holds(tmp_path, aircraft, condition):
+    make = outside.electric_single if aircraft == "c172p" else outside.electric_twin
+    root = make(tmp_path, aircraft=aircraft) if aircraft == "c172p" else make(tmp_path)
+    designed = design_gains(aircraft, TrimCondition(**condition), root=root)
+    plane = Aircraft(aircraft, **condition, root=root)
+    assert "short period" in [mode.name for mode in plane.linear_model().modes()]
+    target = plane.trim.theta + 2.0
+    hold = PitchHold(T=plane.T, gains=designed.gains, theta_ref=target, reference="absolute")
+    ports = [(plane, "theta", hold), (plane, "q", hold), (hold, "elevator", plane)]
+    wires = [Connection(source[name], to[name]) for source, name, to in ports]
+    Simulation([plane, hold], wires, dt=plane.T, log=False).run(15.0)
+    assert plane.outputs["theta"] == pytest.approx(target, abs=0.1)  # deg
+
+
 def test_in_flight_a_motor_is_not_called_stopped(single):
     plane = Aircraft("c172x", **SINGLE, root=single)
     state = plane.trim_here()
@@ -204,6 +268,13 @@ def test_a_valve_that_the_model_shuts_is_named(tmp_path):
     error = refused(outside.changed(tmp_path, "c172x", outside.before("aerodynamics", text)))
     assert (error.reason, error.engines) == ("fuel valve", [0])
     assert error.properties == {f"propulsion/tank[{i}]/priority": 0.0 for i in (0, 1)}
+
+
+def test_cocks_that_keep_fuel_from_the_engines_are_told_from_empty_tanks():
+    closed = {f"fcs/fuel-system/{side}-tank-cock-cmd-norm": 0 for side in ("left", "right")}
+    error = refused(None, "Short_S23", speed=130, setup=closed)
+    assert (error.reason, error.engines) == ("fuel valve", [0, 1, 2, 3])
+    assert error.properties == {f"propulsion/tank[{i}]/contents-lbs": 0.0 for i in range(8, 12)}
 
 
 @pytest.mark.parametrize(

@@ -17,9 +17,13 @@ from .initial import engines_off, initialise, properties
 from .search import Reached
 from .state import STATE
 
-# command: the quantity of a search that moves it, and the acceleration it is for
-_UNKNOWNS = {"throttle": "throttle", "pitch": "elevator", "roll": "aileron", "yaw": "rudder"}
-_ACCELERATIONS = {"throttle": "udot", "pitch": "qdot", "roll": "pdot", "yaw": "rdot"}
+# command, what a search moves for it, and the acceleration it is for
+_COMMANDS = (
+    ("throttle", ("throttle",), "udot"),
+    ("pitch", ("pitch_trim", "elevator"), "qdot"),
+    ("roll", ("aileron",), "pdot"),
+    ("yaw", ("rudder",), "rdot"),
+)
 
 # of a command, more than the hysteresis or dead band of a servo
 _STEP = 0.5
@@ -29,29 +33,18 @@ _NONE = 10.0
 
 
 class Effect(NamedTuple):
-    """The effect of a command.
-
-    Attributes
-    ----------
-    command : str
-        "throttle", "pitch", "roll" or "yaw"
-    properties : tuple[str, ...]
-        the properties that were moved, one of each engine for the throttle
-    acceleration : str
-        what it is for: "udot" (ft/s2), "qdot", "pdot" or "rdot" (rad/s2), as in `TrimState`
-    size : float
-        the change of this acceleration by the command, per 1 of it
-    moves : bool
-        whether it changes any of the accelerations
-    written_by_model : bool
-        whether the model writes the command itself, so that nobody else can
-    """
+    """The effect of a command: "throttle", "pitch", "roll" or "yaw"."""
 
     command: str
+    # what was moved, of each engine for the throttle
     properties: tuple[str, ...]
+    # what it is for: "udot" (ft/s2), "qdot", "pdot" or "rdot" (rad/s2)
     acceleration: str
+    # change of this acceleration per 1 of the command
     size: float
+    # whether it changes any acceleration
     moves: bool
+    # whether the model writes the command itself, so that nobody else can
     written_by_model: bool
 
 
@@ -70,34 +63,26 @@ def command_effects(
         initialise(airframe, condition, condition.heading)
         in_time = airframe.has_kind("turboprop")
         flight = SteadyFlight(airframe, condition, Effort(), in_time)
+        flight.try_out()
         return effects(flight, flight.guess(3.0, 0.5), airframe)
 
 
 def effects(flight: SteadyFlight, x: np.ndarray, airframe: Airframe) -> list[Effect]:
-    """The effects of the commands near a state of a flight."""
-    found = []
-    before = flight.settled(x)
-    for command, name in _UNKNOWNS.items():
-        acceleration = _ACCELERATIONS[command]
-        names = tuple(throttles(airframe.engines)) if name == "throttle" else (STATE[name],)
-        if not names or acceleration not in flight.used:
+    """The effects near a state of those commands that the search of a flight moves."""
+    found, before = [], flight.settled(x)
+    for command, unknowns, acceleration in _COMMANDS:
+        name = next((name for name in unknowns if name in flight.names), "")
+        names = throttles(airframe.engines) if name == "throttle" else [STATE[name]] if name else []
+        if not names:
             continue
-        step, after = flight.moved(x, name, _STEP)
-        commanded = flight.value(x, name) + step
-        change = after - before
-        axis = flight.used.index(acceleration)
-        found.append(
-            Effect(
-                command,
-                names,
-                acceleration,
-                float(change[axis]) * RESIDUALS[acceleration] / step,
-                # NaN is an effect
-                not float(abs(change).max()) <= _NONE,
-                any(abs(airframe.fdm[n] - commanded) > 1e-9 for n in names),
-            )
-        )
-    flight.settled(x)
+        i, y = flight.names.index(name), x.copy()
+        step = _STEP if x[i] + _STEP <= flight.high[i] else -_STEP
+        y[i] += step
+        change = flight.settled(y) - before
+        size = float(change[flight.used.index(acceleration)]) * RESIDUALS[acceleration] / step
+        moves = not float(abs(change).max()) <= _NONE  # NaN is an effect
+        own = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
+        found.append(Effect(command, tuple(names), acceleration, size, moves, own))
     return found
 
 
@@ -122,10 +107,11 @@ def model_fault(
         why = "the model has no aerodynamic force"
         return failure(airframe, condition, "aerodynamics", why, residuals)
     left = dict(zip(flight.used, abs(end.residuals).tolist(), strict=True))
+    unknowns = {command: names for command, names, _ in _COMMANDS}
     for effect in found:
-        unknown, remains = _UNKNOWNS[effect.command], left[effect.acceleration]
-        is_cause = bound in ("", unknown) or remains == max(left.values())
-        if effect.moves or unknown not in flight.names or remains <= 1.0 or not is_cause:
+        remains = left[effect.acceleration]
+        is_cause = bound in ("", *unknowns[effect.command]) or remains == max(left.values())
+        if effect.moves or remains <= 1.0 or not is_cause:
             continue
         names = " to ".join(dict.fromkeys((effect.properties[0], effect.properties[-1])))
         why = f"the {effect.command} command, {names}, moves nothing"

@@ -242,23 +242,6 @@ class SteadyFlight:
             x[self.names.index("throttle")] = throttle
         return x
 
-    def value(self, x: np.ndarray, name: str) -> float:
-        """A quantity at a state, whether the search moves it or not."""
-        return float(x[self.names.index(name)]) if name in self.names else self.given[name]
-
-    def moved(self, x: np.ndarray, name: str, step: float) -> tuple[float, np.ndarray]:
-        """Residuals with a command moved to the side where it has room, and how far."""
-        if self.value(x, name) + step > _UNKNOWNS[name].high:
-            step = -step
-        y, given = x.copy(), self.given
-        if name in self.names:
-            y[self.names.index(name)] += step
-        else:
-            self.given = {**given, name: given[name] + step}
-        r = self.settled(y)
-        self.given = given
-        return step, r
-
     def settled(self, x: np.ndarray) -> np.ndarray:
         """Residuals after engines and flight control system have settled."""
         self._settled_at = None
