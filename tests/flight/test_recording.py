@@ -17,7 +17,7 @@ from pathsim_jsbsim_blocks import (
     fly,
 )
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.tracks.recording import recorded_flights, tracks
+from pathsim_jsbsim_blocks.flight.recording import recorded_flights, tracks
 
 PORTS = {
     "lat": "latitude [deg]",
@@ -208,7 +208,8 @@ def test_the_command_writes_the_track_of_a_flight_that_ends_early(tmp_path, caps
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        (["step_response", "--track", "a.csv"], "the script flies no aircraft"),
+        (["step_response", "--track", "a.csv"], "no JSBSim aircraft flies in the first run"),
+        (["step_response", "--flightgear"], "no JSBSim aircraft flies in the first run"),
         (["hello_jsbsim", "--track", "a.kmz"], "did you mean 'a.kml'"),
         (["hello_jsbsim", "--flightgear", "127.0.0.1:"], "must be HOST:PORT"),
     ],
@@ -218,6 +219,41 @@ def test_the_command_refuses_what_has_no_track(arguments, text, tmp_path, monkey
     monkeypatch.delenv("DISPLAY", raising=False)
     assert main(["run", *arguments]) == 1
     assert text in capsys.readouterr().err
+
+
+WRAPPER = """
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant
+from pathsim_flight import JSBSimWrapper
+
+plane = JSBSimWrapper(T=1 / 60, input_properties=["fcs/elevator-cmd-norm"],
+                      output_properties=["attitude/theta-deg"])
+zero = Constant(0.0)
+{aircraft}
+sim = Simulation([zero, plane, *scopes, *others], [Connection(zero, plane)], dt=1 / 60, log=False)
+sim.run(0.1)
+print("flown")
+"""
+OTHER = "from pathsim_jsbsim_blocks import Aircraft\nothers = [Aircraft('c172p', altitude=5000, speed=90, T=1 / 60)]"
+
+
+@pytest.mark.parametrize(
+    ("option", "more", "status", "text"),
+    [
+        ("--track", "scopes, others = [], []", 1, "use JSBSimFDM"),
+        ("--track", f"{OTHER}\nscopes = []", 0, "use JSBSimFDM"),
+        ("--csv", "scopes, others = [], []", 1, "no Scope records"),
+    ],
+)
+def test_what_leaves_nothing_to_write_is_said_before_the_run(
+    option, more, status, text, tmp_path, capsys
+):
+    script, path = tmp_path / "script.py", tmp_path / "a.csv"
+    script.write_text(WRAPPER.format(aircraft=more))
+    assert main(["run", str(script), option, str(path)]) == status
+    printed = capsys.readouterr()
+    assert text in printed.err
+    assert ("flown" in printed.out) == path.exists() == (status == 0)
 
 
 def test_no_package_is_missed_after_a_flight(tmp_path, monkeypatch, capsys):

@@ -6,6 +6,7 @@ import argparse
 import ast
 import contextlib
 import inspect
+import itertools
 import traceback
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -101,6 +102,7 @@ def run(args: argparse.Namespace) -> int:
             _tracking(args.track),
             with_progress(),
             _to_flightgear(args.flightgear),
+            _checked_before_the_run(args),
             contextlib.ExitStack() as timed,
         ):
             try:
@@ -157,14 +159,47 @@ def _code_of_model(path: Path, args: argparse.Namespace) -> str:
     return source
 
 
+def _checked_before_the_run(args: argparse.Namespace) -> contextlib.AbstractContextManager[None]:
+    """Context that refuses, before the first run, options for which its diagram has no block."""
+    from ..scripts.runs import Beginning, intercepted_runs
+
+    runs = itertools.count()
+
+    def check(run: Beginning) -> None:
+        if next(runs) or not (args.track or args.csv or args.flightgear is not None):
+            return
+        from pathsim.blocks import Scope
+        from pathsim_flight import JSBSimWrapper
+
+        from .._core.checks import refuse
+        from .._core.wiring import contents
+        from ..flight.block import FlightBlock
+
+        blocks = contents(run.simulation)[0]
+        kinds = (FlightBlock, JSBSimWrapper, Scope)
+        flies, wrapped, records = (any(isinstance(b, kind) for b in blocks) for kind in kinds)
+        why = "no JSBSim aircraft flies in the first run of the script"
+        if wrapped:
+            why = "JSBSimWrapper of pathsim-flight leaves no track: use JSBSimFDM in its place"
+        for name in ("track", "flightgear"):
+            if not flies and getattr(args, name) not in (None, []):
+                refuse(name, str(getattr(args, name)), why)
+        if args.csv and not records:
+            refuse("csv", str(args.csv), "no Scope records in the first run of the script")
+        if args.track and wrapped:
+            tell(why)
+
+    return intercepted_runs(check)
+
+
 @contextlib.contextmanager
 def _tracking(paths: Sequence[Path]) -> Iterator[None]:
     """Write the flights within this context to files, also those before a failure."""
     if not paths:
         yield
         return
+    from ..flight.recording import recorded_flights
     from ..tracks.files import track_file
-    from ..tracks.recording import recorded_flights
 
     paths = [track_file("track", path).absolute() for path in paths]
     ended = False
@@ -183,8 +218,8 @@ def _tracking(paths: Sequence[Path]) -> Iterator[None]:
 
 def _save_tracks(paths: Sequence[Path], recordings: Any, ended: bool) -> None:
     from .._core.checks import refuse
+    from ..flight.recording import tracks
     from ..tracks.files import save_tracks
-    from ..tracks.recording import tracks
 
     flown = tracks(recordings)
     if ended and not flown:
