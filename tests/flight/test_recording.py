@@ -8,6 +8,7 @@ import pandas
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Constant, Integrator, Scope
+from pathsim_jsbsim_blocks.flight.recording import recorded_flights, tracks
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
@@ -17,7 +18,6 @@ from pathsim_jsbsim_blocks import (
     fly,
 )
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.flight.recording import recorded_flights, tracks
 
 PORTS = {
     "lat": "latitude [deg]",
