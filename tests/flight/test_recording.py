@@ -8,7 +8,6 @@ import pandas
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Constant, Integrator, Scope
-from pathsim_jsbsim_blocks.flight.recording import recorded_flights, tracks
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
@@ -18,6 +17,7 @@ from pathsim_jsbsim_blocks import (
     fly,
 )
 from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.tracks.recording import recorded_flights, tracks
 
 PORTS = {
     "lat": "latitude [deg]",

@@ -198,8 +198,8 @@ def _tracking(paths: Sequence[Path]) -> Iterator[None]:
     if not paths:
         yield
         return
-    from ..flight.recording import recorded_flights
     from ..tracks.files import track_file
+    from ..tracks.recording import recorded_flights
 
     paths = [track_file("track", path).absolute() for path in paths]
     ended = False
@@ -218,8 +218,8 @@ def _tracking(paths: Sequence[Path]) -> Iterator[None]:
 
 def _save_tracks(paths: Sequence[Path], recordings: Any, ended: bool) -> None:
     from .._core.checks import refuse
-    from ..flight.recording import tracks
     from ..tracks.files import save_tracks
+    from ..tracks.recording import tracks
 
     flown = tracks(recordings)
     if ended and not flown:
