@@ -219,7 +219,7 @@ def design_gains(
 
     setup = {**condition.setup, **(options.get("setup") or {})}
     limits = None
-    if has_power(trim):
+    if _has_power(trim):
         limits = envelope(airframe, replace(condition, setup=setup), trim, trim.speed)
 
     def shaped(*attitudes: Loop) -> DesignedGains:
@@ -276,14 +276,14 @@ def check_near(near: Any, kind: type) -> None:
         refuse("near", near, f"near must be a list of {kind.__name__}, not {reprlib.repr(near)}")
 
 
-def has_power(trim: TrimState) -> bool:
+def _has_power(trim: TrimState) -> bool:
     """Whether an engine holds the airspeed."""
     return bool(trim.throttle) and trim.condition.mode != "glide"
 
 
 def linear_model(plane: Aircraft, method: Literal["flown", "algebraic"] = "flown") -> LinearModel:
     """What the loops are shaped for: the aircraft about its trim."""
-    inputs = _INPUTS if has_power(plane.trim) else _INPUTS[:3]
+    inputs = _INPUTS if _has_power(plane.trim) else _INPUTS[:3]
     try:
         with warnings.catch_warnings():
             # kinks at the trim; the steps are flown on the aircraft itself
@@ -337,8 +337,8 @@ def _loops(
 
 def _left_out(loop: str) -> LoopReport:
     """The report of a loop that needs an engine."""
-    nothing = (math.nan,) * 5
-    return replace(LoopReport(loop, *nothing), relaxed="left out: no engine")
+    nan = math.nan
+    return LoopReport(loop, nan, nan, nan, nan, nan, relaxed="left out: no engine")
 
 
 def _roll_and_yaw(
