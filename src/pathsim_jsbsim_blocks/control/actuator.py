@@ -51,7 +51,7 @@ class Actuator(SampledLaw):
     initial : float
         position at the start, at rest
     T : float
-        sample period in s
+        sample period in s; a new one acts at the next reset
 
     Inputs
     ------

@@ -30,7 +30,7 @@ MEANT_ABSOLUTE = {"h_ref": (0.8, 1000.0, "ft"), "vc_ref": (0.5, FLYING, "kt")}
 SECTIONS = dict(
     T="""
     T : float
-        sample period in s
+        sample period in s; a new one acts at the next reset
     """,
     reference="""
     reference : str

@@ -66,7 +66,7 @@ class Localizer(_Receiver):
     seed : int
         of the random numbers, 0 or more
     T : float
-        sample period in s
+        sample period in s; a new one acts at the next reset
 
     Inputs
     ------
@@ -135,7 +135,7 @@ class Glideslope(_Receiver):
     seed : int
         of the random numbers, 0 or more
     T : float
-        sample period in s
+        sample period in s; a new one acts at the next reset
 
     Inputs
     ------

@@ -348,7 +348,7 @@ class DrydenTurbulence(SampledLaw):
     seed : int
         of the random numbers, 0 or more
     T : float
-        sample period in s
+        sample period in s; a new one acts at the next reset
 
     Inputs
     ------
