@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from pathsim_jsbsim_blocks.errors import BlocksError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, LevelFlight, aircraft_names, trim
-from pathsim_jsbsim_blocks.flight.fleet import GLIDES, TRIES, first_trim
+from pathsim_jsbsim_blocks.flight.fleet import GLIDES, TRIES, first_trim, prepared
 
 # s of flight that every aircraft should have fuel for
 _FUEL_FOR = 60.0
@@ -59,7 +59,7 @@ def fleet_table(names=None, duration=30.0):
     for name in aircraft_names() if names is None else names:
         engines = flight = None
         try:
-            engines = Airframe(name).engines
+            engines = prepared(name, None)[0].engines
             flight = level_or_glide(name, duration)
             yield FleetRow(name, engines, flight, None, _starved(flight))
         except BlocksError as error:

@@ -34,6 +34,8 @@ REFUSED = {
     "--throttle": ("2", "throttle must lie in [0, 1], not 2"),
     "--thrust": ("nan", "thrust must be finite"),
     "--free": ("gama", "did you mean 'gamma'?"),
+    "--wind-north": ("nan", "wind_north must be finite"),
+    "--wind-east": ("inf", "wind_east must be finite"),
     "--latitude": ("91", "latitude must lie in [-90, 90], not 91"),
     "--longitude": ("nan", "longitude must be finite"),
     "--engines-off": ("9", "engines_off=(9,): aircraft 'c172p' has the engines 0 to 0"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
 _Error = TypeVar("_Error", bound="BlocksError")
@@ -58,18 +58,23 @@ class AircraftError(BlocksError, ValueError):
     aircraft : str
         the model's name
     nearest : list[str]
-        known models with a similar name
-    missing : str
-        property that the model expects from its environment, empty if that is not the reason
+        known models with a similar name, or properties like those that are missing
+    missing : tuple[str, ...]
+        properties to which the model refers and which do not exist, empty if that is not the reason
     """
 
     def __init__(
-        self, message: str, *, aircraft: str, nearest: Sequence[str] = (), missing: str = ""
+        self,
+        message: str,
+        *,
+        aircraft: str,
+        nearest: Sequence[str] = (),
+        missing: Iterable[str] = (),
     ):
         super().__init__(message)
         self.aircraft = aircraft
         self.nearest = list(nearest)
-        self.missing = missing
+        self.missing = tuple(missing)
 
 
 class PropertyError(BlocksError, ValueError):

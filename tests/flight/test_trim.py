@@ -3,6 +3,7 @@
 import copy
 import dataclasses
 import gc
+import logging
 import math
 import pickle
 import subprocess
@@ -280,7 +281,7 @@ def test_a_failed_trim_says_why(aircraft, condition, reason, text):
     ],
 )
 def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, reason):
-    said = f"  Sorry, {axis} doesn't appear to be trimmable"
+    said = (logging.ERROR, f"  Sorry, {axis} doesn't appear to be trimmable")
     monkeypatch.setattr(search, "messages", lambda *a, **b: (False, [said]))
     with pytest.raises(TrimError) as error:
         found("c172p", **condition, solver="jsbsim")
@@ -505,16 +506,18 @@ def test_conditions_and_states_are_values():
 
 
 def test_the_setup_of_a_block_is_written_after_that_of_its_condition():
-    # two names of one latitude: the last one written counts
-    condition = TrimCondition(
-        altitude=1000,
-        speed=80,
-        mode="none",
-        setup={"ic/lat-geod-deg": 10.0, "ic/lat-geod-rad": math.radians(20.0)},
-    )
-    assert Aircraft("c172p", condition=condition).outputs["lat"] == pytest.approx(20.0)
-    plane = Aircraft("c172p", condition=condition, setup={"ic/lat-geod-deg": 30.0})
+    def start(setup, more=None):
+        at = {"altitude": 1000, "speed": 80, "mode": "none"}
+        return Aircraft("c172p", condition=TrimCondition(**at, setup=setup), setup=more)
+
+    plane = start({"ic/lat-geod-deg": 10.0}, {"ic/lat-geod-deg": 30.0})
     assert plane.outputs["lat"] == pytest.approx(30.0)
+    # two names of one latitude: the first does not act
+    twice = {"ic/lat-geod-deg": 10.0, "ic/lat-geod-rad": math.radians(20.0)}
+    for setups in ([twice], ({"ic/lat-geod-deg": 10.0}, {"ic/lat-geod-rad": math.radians(20.0)})):
+        with pytest.raises(ParameterError) as error:
+            start(*setups)
+        assert error.value.value == "ic/lat-geod-deg"
 
 
 def test_every_quantity_has_a_unit():

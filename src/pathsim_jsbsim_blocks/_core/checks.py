@@ -246,13 +246,24 @@ def ending(parameter: str, path: Path, *endings: str) -> Path:
     return path
 
 
+def name_list(parameter: str, names: Any, wanted: str = "a list of names") -> list[Any]:
+    """``names``, a list, tuple or array, as a list; texts of numpy become Python's."""
+    if isinstance(names, str) or not isinstance(names, (Sequence, np.ndarray)):
+        must_be(parameter, names, wanted)
+    return list(map(plain_name, names))
+
+
 def property_list(parameter: str, names: Any) -> list[str]:
-    if isinstance(names, str) or not isinstance(names, Sequence):
-        must_be(parameter, names, "a list of property names")
+    names = name_list(parameter, names, "a list of property names")
     for i, name in enumerate(names):
         if not isinstance(name, str):
             refuse(parameter, names, f"{parameter}[{i}] must be a property's name, not {name!r}")
-    return list(names)
+    return names
+
+
+def plain_name(name: Any) -> Any:
+    """A text of numpy as one of Python, which alone JSBSim takes; other things as they are."""
+    return str(name) if isinstance(name, str) else name
 
 
 def mapping(parameter: str, value: Any) -> dict[Any, Any]:
@@ -261,7 +272,7 @@ def mapping(parameter: str, value: Any) -> dict[Any, Any]:
         return {}
     if not isinstance(value, Mapping):
         must_be(parameter, value, "a dict of names and values")
-    return dict(value)
+    return {plain_name(name): x for name, x in value.items()}
 
 
 def arrays(**values: Any) -> list[Any]:

@@ -84,7 +84,9 @@ TOOLBOX = repeatable(
 )
 SET = repeatable("--set", "a property to write before the trim", "PROPERTY=VALUE")
 CREATE = repeatable(
-    "--create", "a property that the model expects from FlightGear", "PROPERTY=VALUE"
+    "--create",
+    "a property that the model expects from FlightGear; missing makes all that it lacks, as 0",
+    "PROPERTY=VALUE",
 )
 
 # those of a trim have the names of the fields of TrimCondition, which has their defaults
@@ -99,6 +101,8 @@ _NUMBERS = {
     "beta": "sideslip angle, deg",
     "throttle": "0 to 1; the path angle is then free",
     "thrust": "lbf, instead of --throttle",
+    "wind-north": "ft/s, the direction the wind blows to",
+    "wind-east": "ft/s",
     "latitude": "deg, north positive",
     "longitude": "deg, east positive",
     "gear": "0 up to 1 down",
@@ -134,8 +138,12 @@ def condition_of(args: argparse.Namespace) -> TrimCondition:
 
 def setup_and_model(args: argparse.Namespace) -> tuple[dict[str, float], dict[str, Any]]:
     """Properties to write before the trim, and the options with which a model is loaded."""
-    model = {"root": args.root, "create": values_of("create", args.create)}
-    return values_of("set", args.set), model
+    return values_of("set", args.set), {"root": args.root, "create": created(args)}
+
+
+def created(args: argparse.Namespace) -> dict[str, float] | str:
+    """What ``create`` of an `Airframe` takes."""
+    return "missing" if args.create == ["missing"] else values_of("create", args.create)
 
 
 def values_of(option: str, items: Iterable[str]) -> dict[str, float]:

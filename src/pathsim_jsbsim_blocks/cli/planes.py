@@ -9,7 +9,6 @@ import math
 import sys
 import warnings
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import BlocksError, DesignError, TrimError
@@ -21,6 +20,7 @@ from .arguments import (
     SET,
     command,
     condition_of,
+    created,
     file,
     number,
     option,
@@ -38,17 +38,18 @@ if TYPE_CHECKING:
     "the aircraft models, and which of them load",
     option("name", "one model only", nargs="?"),
     ROOT,
+    CREATE,
     file("--points", "draw the points that the model names: CG, wheels, tanks, ...", "FIG"),
 )
 def aircraft(args: argparse.Namespace) -> None:
     from ..flight import Airframe, aircraft_names
 
     if args.points is not None:
-        _draw_points(args.name, args.root, args.points)
+        _draw_points(args)
         return
     for name in aircraft_names(args.root) if args.name is None else [args.name]:
         try:
-            airframe = Airframe(name, root=args.root)
+            airframe = Airframe(name, root=args.root, create=created(args))
             airframe.run_ic()
             n = airframe.engines
             print(f"{name:<14} loads, {n} engine{'' if n == 1 else 's'}")
@@ -58,16 +59,17 @@ def aircraft(args: argparse.Namespace) -> None:
             print(f"{name:<14} {error}")
 
 
-def _draw_points(name: str | None, root: str | None, path: Path) -> None:
+def _draw_points(args: argparse.Namespace) -> None:
     from .._core.checks import refuse
     from ..flight.airframe import Airframe
     from ..flight.points import aircraft_points
     from ..plots import aircraft_points as draw
     from ..plots import show
 
+    name, path = args.name, args.points
     if name is None:
         refuse("points", str(path), "--points needs the name of an aircraft")
-    airframe = Airframe(name, root=root)
+    airframe = Airframe(name, root=args.root, create=created(args))
     airframe.run_ic()
     points = aircraft_points(airframe)
     for kind, found in points.items():
@@ -220,14 +222,15 @@ def gains(args: argparse.Namespace) -> int:
 
     check_file("save", args.save, ".json")
     if args.altitude is None or args.speed is None:
-        flight = level_flight(args.aircraft, args.root)
+        flight = level_flight(args.aircraft, args.root, create=created(args))
         condition, needed = flight.condition, flight.create
     else:
-        airframe, needed, condition = prepared(args.aircraft, args.root)
+        airframe, condition = prepared(args.aircraft, args.root, created(args))
+        needed = airframe.created
         if not airframe.engines:
             condition = dataclasses.replace(condition, mode="glide")
     setup, model = setup_and_model(args)
-    model["create"] = {**needed, **model["create"]}
+    model["create"] = needed
     given = {"setup": {**condition.setup, **setup}, "gear": args.gear, "flaps": args.flaps}
     given = {name: value for name, value in given.items() if value is not None}
     condition = dataclasses.replace(condition, **given)

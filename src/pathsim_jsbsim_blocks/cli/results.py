@@ -11,11 +11,13 @@ from typing import Any
 from .._core.files import replacing
 from .arguments import (
     AIRCRAFT,
+    CREATE,
     FIGURE,
     JOBS,
     RESUME,
     ROOT,
     command,
+    created,
     file,
     number,
     option,
@@ -77,6 +79,7 @@ def study(args: argparse.Namespace) -> None:
     JOBS,
     RESUME,
     ROOT,
+    CREATE,
 )
 def chart(args: argparse.Namespace) -> None:
     from ..plots import show
@@ -84,7 +87,7 @@ def chart(args: argparse.Namespace) -> None:
 
     for path in args.save:
         check_file("save", path, ".pdf", ".png", ".svg", ".csv")
-    options = {"root": args.root, "jobs": args.jobs, "resume": args.resume}
+    options = {"root": args.root, "create": created(args), "jobs": args.jobs, "resume": args.resume}
     axes = {"altitudes": args.altitude, "weights": args.weight, "flaps": args.flaps}
     table = performance_table(args.aircraft, **axes, **options)
     at = ["quantity", "altitude_ft", "weight_lb", "flaps_norm"]

@@ -197,9 +197,9 @@ def design_gains(
     flag("check", check)
     check_near(near, AircraftGains)
     if condition is None:
-        found = level_flight(aircraft, options.get("root"))
+        found = level_flight(aircraft, options.get("root"), create=options.get("create"))
         condition = found.condition
-        options = {"create": found.create, **options}
+        options = {**options, "create": found.create}
 
     def fresh() -> Aircraft:
         return Aircraft(aircraft, condition=condition, T=T, substeps=substeps, **options)

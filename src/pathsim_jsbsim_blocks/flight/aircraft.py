@@ -75,7 +75,8 @@ class Aircraft(FlightBlock):
         replaces the parameters from ``altitude`` to ``flaps``, ``latitude`` and ``longitude`` where
         they are not sufficient
     setup : dict, optional
-        properties written before initialisation and trim (fuel, payload)
+        properties written before initialisation and trim (fuel, payload); one that has another
+        value then is refused, but for commands that the trim solves for
     properties : dict, optional
         properties written after the trim (turbulence)
     input_properties : list of str, optional
@@ -105,9 +106,10 @@ class Aircraft(FlightBlock):
         JSBSim steps per sample period
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
-    create : dict, optional
-        properties, with their values, that the model expects from its environment (FlightGear)
-        and JSBSim does not create; the error of a model that lacks one names it
+    create : dict or "missing", optional
+        properties, with their values, that the model expects from its environment (FlightGear):
+        they exist before it is loaded. The error of a model that lacks some names them all;
+        "missing" creates these as 0, and warns with their list
     allow_network : bool
         let the model open the sockets that its XML asks for (FlightGear, telnet input)
     allow_files : bool
@@ -208,7 +210,7 @@ class Aircraft(FlightBlock):
     setup: Mapping[str, float] | None = None
     properties: Mapping[str, float] | None = None
     root: str | None = None
-    create: Mapping[str, float] | None = None
+    create: Mapping[str, float] | str | None = None
     allow_network: bool = parameter(False, flag)
     allow_files: bool = parameter(False, flag)
     integrators: str | Mapping[str, str] = "default"

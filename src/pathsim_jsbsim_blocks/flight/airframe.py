@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
+import functools
 import itertools
 import math
 import os
@@ -19,7 +20,17 @@ from pathlib import Path
 
 import jsbsim
 
-from .._core.checks import did_you_mean, flag, mapping, number, optional, positive, refuse
+from .._core.callers import warn_user
+from .._core.checks import (
+    did_you_mean,
+    flag,
+    mapping,
+    must_be,
+    number,
+    optional,
+    positive,
+    refuse,
+)
 from ..errors import AircraftError
 from .console import SEALED_PATH, capture_console, failure_of, never_free
 from .engines import Engine, engines_of
@@ -53,9 +64,10 @@ class Airframe(PropertyTree):
     empty_cg_x : float, optional
         x of the empty-weight centre of gravity in inches aft, structural axes. The model is then
         loaded from a private copy, which is removed again; the installed one is not touched
-    create : dict, optional
-        properties, with their values, that the model expects from its environment (FlightGear)
-        and JSBSim does not create; the error of a model that lacks one names it
+    create : dict or "missing", optional
+        properties, with their values, that the model expects from its environment (FlightGear):
+        they exist before it is loaded. The error of a model that lacks some names them all;
+        "missing" creates these as 0, and warns with their list
     allow_network : bool
         let the model open the sockets that its XML asks for (FlightGear, telnet input)
     allow_files : bool
@@ -82,13 +94,17 @@ class Airframe(PropertyTree):
     ----------
     fdm : jsbsim.FGFDMExec
         the executive: one object, one model. `renew` replaces it
+    created : dict
+        properties made for the model, with the values at its start
     stopped : frozenset of int
         engines that do not run, set by a trim
 
     Raises
     ------
     AircraftError
-        if the model is unknown or JSBSim cannot load it
+        if the model is unknown, JSBSim cannot load it, or it refers to properties that do not exist
+    PropertyError
+        for malformed names in ``create``, and properties that cannot be written
     ParameterError
         for integrators, a planet or a gravity that JSBSim does not have
     """
@@ -100,7 +116,7 @@ class Airframe(PropertyTree):
         *,
         root: str | None = None,
         empty_cg_x: float | None = None,
-        create: Mapping[str, float] | None = None,
+        create: Mapping[str, float] | str | None = None,
         allow_network: bool = False,
         allow_files: bool = False,
         integrators: str | Mapping[str, str] = "default",
@@ -110,13 +126,17 @@ class Airframe(PropertyTree):
     ):
         self.dt = positive("dt", dt)
         self.root = root
-        self.aircraft = aircraft
         self._file = ModelFile(aircraft, root)
+        self.aircraft = self._file.aircraft
         self._network = flag("allow_network", allow_network)
         self._files = flag("allow_files", allow_files)
         self._flightgear = optional("flightgear", flightgear, of=address)
         self._cg = None if empty_cg_x is None else number("empty_cg_x", empty_cg_x)
-        self._given = dict(mapping("create", create))
+        self._creates_missing = create == "missing"
+        if isinstance(create, str) and not self._creates_missing:
+            must_be("create", create, "a dict of names and values, or 'missing'")
+        values = {} if self._creates_missing else mapping("create", create)
+        self.created = {name: number(f"create[{name!r}]", x) for name, x in values.items()}
         self._planet = None if planet is None else planet_xml(planet)
         self._equations = integrator_properties(integrators)
         if gravity is not None:
@@ -158,6 +178,44 @@ class Airframe(PropertyTree):
         self.stopped = other.stopped
 
     def _open(self) -> None:
+        self._load_with_all()
+        # in this order: a model brings its planet, and a planet resets the integrators
+        if self._planet is not None:
+            self._do("put aircraft {!r} on this planet", self._load_planet)
+        for name, value in self._equations.items():
+            self.fdm[name] = value
+        self._of_engines: dict[str, list[str]] = {}
+        self._choose_outputs()
+        for name, start in self.created.items():
+            self.writer(name)(start)
+
+    def _load_with_all(self) -> None:
+        """Load the model with all properties to which it refers; AircraftError names those missing.
+
+        Loading ends at the first that it needs at once, so this goes on with that one as 0.
+        """
+        lacking: dict[str, float] = {}
+        while True:
+            failure = self._load_in_new_executive({**lacking, **self.created})
+            missing = self._file.references_beyond(self._properties.hasNode)
+            if missing:
+                # its destructor reads them, and ends the process where that fails
+                never_free(self.fdm)
+            named = re.findall(r"[\w/\[\].-]+", failure)
+            further = [name for name in missing if not failure or name in named]
+            if failure and not further:
+                raise self._cannot("load aircraft {!r}", failure)
+            lacking |= dict.fromkeys(further, 0.0)
+            if not (failure or (further and self._creates_missing)):
+                break
+        if lacking and not self._creates_missing:
+            raise self._lacks(lacking)
+        if lacking:
+            self.created = self.created | lacking
+            _warn_once(f"aircraft {self.aircraft!r}: {self.created_as_zero()}", self._file.path)
+
+    def _load_in_new_executive(self, created: Mapping[str, float]) -> str:
+        """Why the model does not load, where these properties exist before it; empty if it does."""
         capture_console()
         self.fdm = jsbsim.FGFDMExec(None if self.root is None else os.fspath(self.root))
         if not self._network:
@@ -166,20 +224,16 @@ class Airframe(PropertyTree):
             self.fdm.disable_output()
             self.fdm.set_output_path(SEALED_PATH)
         self.fdm.set_dt(self.dt)
+        self._open_tree()
+        for name, value in created.items():
+            self.make(name, value)
         with contextlib.ExitStack() as stack:
             if self._cg is not None:
                 stage = self._file.staged(self._cg)
                 self.fdm.set_aircraft_path(stack.enter_context(stage))
-            self._load()
-        # in this order: a model brings its planet, and a planet resets the integrators
-        if self._planet is not None:
-            self._do("put aircraft {!r} on this planet", self._load_planet)
-        for name, value in self._equations.items():
-            self.fdm[name] = value
+            failure = self._load()
         self._open_tree()
-        self._of_engines: dict[str, list[str]] = {}
-        self._choose_outputs()
-        self._create()
+        return failure
 
     def _choose_outputs(self) -> None:
         """Switch off the outputs of the model that are not allowed; send to FlightGear."""
@@ -202,8 +256,8 @@ class Airframe(PropertyTree):
         else:
             fdm.disable_output()
 
-    def _load(self) -> None:
-        self._do("load aircraft {!r}", lambda: self.fdm.load_model(self.aircraft))
+    def _load(self) -> str:
+        return failure_of(lambda: self.fdm.load_model(self.aircraft))
 
     def _load_planet(self) -> bool:
         return _with_file(str(self._planet), lambda file: self.fdm.load_planet(file, False))
@@ -211,18 +265,33 @@ class Airframe(PropertyTree):
     def _do(self, what: str, action: Callable[[], bool]) -> None:
         """Raise AircraftError where an action of JSBSim fails, with what it says."""
         if failure := failure_of(action):
-            message = f"JSBSim cannot {what.format(self.aircraft)}: {failure}"
-            raise AircraftError(message, aircraft=self.aircraft)
+            raise self._cannot(what, failure)
 
-    def _create(self) -> None:
-        for name, value in self._given.items():
-            x = number(f"create[{name!r}]", value)
-            if self._known(name):
-                self.writer(name)(x)
-            else:
-                self.fdm[name] = x
-                self._created.add(self.canonical(name))
-        self._names = None
+    def _cannot(self, what: str, failure: str) -> AircraftError:
+        message = f"JSBSim cannot {what.format(self.aircraft)}: {failure}"
+        return AircraftError(message, aircraft=self.aircraft)
+
+    def _lacks(self, lacking: Mapping[str, float]) -> AircraftError:
+        """The error of a model that refers to properties that do not exist."""
+        # a typo in the model's own XML would become a term that is always 0
+        own = [name for name in lacking if not name.startswith("/")]
+        close = {name: [n for n in self._similar(name) if n not in lacking][:2] for name in own}
+        hints = {name: f" ({did_you_mean(near)[2:]})" for name, near in close.items() if near}
+        names = ", ".join(f"{name!r}{hints.get(name, '')}" for name in lacking)
+        create = self.created | dict(lacking)
+        return AircraftError(
+            f"aircraft {self.aircraft!r} refers to properties that do not exist: {names}. If they "
+            f"come from outside (FlightGear), create them with create={create}, or as 0 with "
+            "create='missing'",
+            aircraft=self.aircraft,
+            nearest=[name for near in close.values() for name in near],
+            missing=lacking,
+        )
+
+    def created_as_zero(self) -> str:
+        """The properties that were created as 0 for the model; empty if none was."""
+        zeros = ", ".join(repr(name) for name, value in self.created.items() if not value)
+        return f"created as 0, which they may not be in FlightGear: {zeros}" if zeros else ""
 
     def run_ic(self) -> None:
         """Initialise the model from its ``ic/`` properties.
@@ -230,21 +299,14 @@ class Airframe(PropertyTree):
         Raises
         ------
         AircraftError
-            if JSBSim cannot; if the model lacks a property, the message says how to create it
+            if JSBSim cannot
         """
-        failure = failure_of(self.fdm.run_ic)
-        if failure:
-            said = re.search(r"property (\S+) does not exist", failure)
-            missing = said[1] if said else ""
-            message = f"JSBSim cannot initialise aircraft {self.aircraft!r}: {failure}"
-            if missing:
-                # its destructor may read the property again, and ends the process where it fails
+        if failure := failure_of(self.fdm.run_ic):
+            missing = re.findall(r"property (\S+) does not exist", failure)
+            if missing:  # although no file refers to it in a way that is known
                 never_free(self.fdm)
-                # a typo in the model's own XML would become a term that is always 0
-                close = did_you_mean(self._similar(missing))
-                message += f"{close or '.'} If it comes from outside (FlightGear), create it with "
-                message += f"create={{{missing!r}: 0.0}}"
-            raise AircraftError(message, aircraft=self.aircraft, missing=missing)
+                raise self._lacks(dict.fromkeys(missing, 0.0))
+            raise self._cannot("initialise aircraft {!r}", failure)
 
     def of_engines(self, quantity: str) -> list[str]:
         """Names of a quantity of each engine that has it."""
@@ -456,6 +518,12 @@ class Airframe(PropertyTree):
             # in the order of the last writes, which `renew` repeats
             self._written.pop(name, None)
             self._written[name] = value
+
+
+@functools.cache
+def _warn_once(message: str, model: Path) -> None:
+    """Warn once in a process: a block opens its model again for a reset or a linear model."""
+    warn_user(message)
 
 
 def _with_file(xml: str, read: Callable[[str], bool]) -> bool:

@@ -80,7 +80,7 @@ class FlightBlock(Parametric, SampledPlant):
     setup: Mapping[str, float] | None
     properties: Mapping[str, float] | None
     root: str | None
-    create: Mapping[str, float] | None
+    create: Mapping[str, float] | str | None
     flightgear: str | None
     input_properties: Sequence[str] | None
     output_properties: Sequence[str] | None

@@ -6,8 +6,8 @@ import ctypes
 import logging
 import os
 import threading
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
 
 import jsbsim
 
@@ -34,6 +34,12 @@ _install_lock = threading.Lock()
 _SPARE_REFERENCES = 100
 _kept: set[int] = set()
 
+# characters of an error's text
+_LONGEST = 1000
+
+# a message of JSBSim, with its level in `logging`
+Message: TypeAlias = tuple[int, str]
+
 
 class _Console(threading.local, jsbsim.FGLogger):
     """JSBSim's console: forwards messages to logging and can keep them; attributes by thread."""
@@ -43,7 +49,7 @@ class _Console(threading.local, jsbsim.FGLogger):
         self.installed = False
         self.level = logging.INFO
         self.parts: list[str] = []
-        self.kept: list[str] | None = None
+        self.kept: list[Message] | None = None
         self.hushed = False
 
     def set_level(self, level: Any) -> None:
@@ -64,7 +70,7 @@ class _Console(threading.local, jsbsim.FGLogger):
         try:
             text = " ".join("".join(self.parts).split())
             if text and self.kept is not None:
-                self.kept.append(text)
+                self.kept.append((self.level, text))
             if text:
                 hushed = self.hushed or SEALED_PATH in text
                 log.log(logging.DEBUG if hushed else self.level, text)
@@ -85,7 +91,7 @@ def capture_console() -> _Console:
     return _console
 
 
-def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, list[str]]:
+def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, list[Message]]:
     """Result of ``action()`` and JSBSim's messages meanwhile; ``hushed`` logs them at DEBUG."""
     console = capture_console()
     # the logger installed last, on any thread
@@ -112,7 +118,22 @@ def failure_of(action: Callable[[], bool]) -> str:
             return " ".join(str(error).split())
 
     failure, said = messages(attempt)
-    return (" ".join(said) or failure)[:1000] if failure else ""
+    if not failure:
+        return ""
+    text = " ".join(_errors(said)) or failure
+    # the cause comes last
+    return text if len(text) <= _LONGEST else f"... {text[-_LONGEST:]}"
+
+
+def _errors(said: Sequence[Message]) -> list[str]:
+    """Texts of the errors, but for those that a warning of the same line of XML has explained."""
+    texts, warned = [], ""
+    for level, text in said:
+        place = text.partition(": ")[0]
+        if level >= logging.ERROR and place != warned:
+            texts.append(text)
+        warned = place if level == logging.WARNING else ""
+    return texts
 
 
 def _install(logger: jsbsim.FGLogger) -> None:

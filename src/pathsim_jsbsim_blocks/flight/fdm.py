@@ -62,7 +62,8 @@ class JSBSimFDM(FlightBlock):
     condition : TrimCondition, optional
         replaces the trim parameters above where they are not sufficient
     setup : dict, optional
-        properties written before initialisation and trim (fuel, payload)
+        properties written before initialisation and trim (fuel, payload); one that has another
+        value then is refused, but for commands that the trim solves for
     properties : dict, optional
         properties written after the trim (turbulence)
 
@@ -72,9 +73,10 @@ class JSBSimFDM(FlightBlock):
         JSBSim root directory; default is the one shipped with jsbsim
     substeps : int
         JSBSim steps per sample period
-    create : dict, optional
-        properties, with their values, that the model expects from its environment (FlightGear)
-        and JSBSim does not create; the error of a model that lacks one names it
+    create : dict or "missing", optional
+        properties, with their values, that the model expects from its environment (FlightGear):
+        they exist before it is loaded. The error of a model that lacks some names them all;
+        "missing" creates these as 0, and warns with their list
     allow_network : bool
         let the model open the sockets that its XML asks for (FlightGear, telnet input)
     allow_files : bool
@@ -141,7 +143,7 @@ class JSBSimFDM(FlightBlock):
     setup: Mapping[str, float] | None = None
     properties: Mapping[str, float] | None = None
     substeps: int = parameter(1, whole, low=1)
-    create: Mapping[str, float] | None = None
+    create: Mapping[str, float] | str | None = None
     allow_network: bool = parameter(False, flag)
     allow_files: bool = parameter(False, flag)
     integrators: str | Mapping[str, str] = "default"

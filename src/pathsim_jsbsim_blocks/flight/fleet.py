@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from .._core.checks import whole
+from .._core.checks import mapping, whole
 from ..errors import AircraftError, TrimError
 from .airframe import Airframe
 from .model_files import has_retractable_gear
@@ -33,7 +33,7 @@ class LevelFlight:
     condition : TrimCondition
         where it trims: retractable gear up, fuel frozen
     create : dict
-        properties that the model expects from its environment, set to 0
+        properties that the model expects from its environment, with their values
     trim : TrimState
         the trim found
     """
@@ -45,12 +45,17 @@ class LevelFlight:
 
 
 def level_flight(
-    aircraft: str, root: str | None = None, tries: int = len(TRIES), solver: Solver | None = None
+    aircraft: str,
+    root: str | None = None,
+    tries: int = len(TRIES),
+    solver: Solver | None = None,
+    create: Mapping[str, float] | str | None = None,
 ) -> LevelFlight:
     """Find a sensible condition of straight and level flight, or of the glide of a glider.
 
     The speed follows from the weight and the wing area. Properties that the model expects from its
-    environment are created. A model without an engine glides (mode "glide").
+    environment are created as 0 where ``create`` does not have them. A model without an engine
+    glides (mode "glide").
 
     .. math::
         V = \\sqrt{\\frac{2 W}{\\rho_0 S C_L}}
@@ -65,6 +70,8 @@ def level_flight(
         maximum number of conditions to try; a failed trim can take seconds
     solver : str, optional
         as in `TrimCondition`
+    create : dict or "missing", optional
+        as of `Airframe`
 
     Raises
     ------
@@ -74,9 +81,11 @@ def level_flight(
         if it trims at none of these; the residuals are those of the first
     """
     tries = whole("tries", tries, low=1)
-    airframe, *_ = prepared(aircraft, root)
+    airframe, _ = prepared(aircraft, root, create)
     mode, conditions = ("full", TRIES) if airframe.engines else ("glide", GLIDES)
-    return first_trim(aircraft, root, conditions[:tries], mode=mode, solver=solver)
+    return first_trim(
+        aircraft, root, conditions[:tries], create=airframe.created, mode=mode, solver=solver
+    )
 
 
 def first_trim(
@@ -84,10 +93,12 @@ def first_trim(
     root: str | None,
     tries: Sequence[tuple[float, float]],
     fly: float = 0.0,
+    create: Mapping[str, float] | str | None = None,
     **fields: Any,
 ) -> LevelFlight:
     """The first of the tries that trims, with further fields of the condition."""
-    airframe, create, clean = prepared(aircraft, root)
+    airframe, clean = prepared(aircraft, root, create)
+    create = airframe.created
     first: TrimError | None = None
     for altitude, lift_coefficient in tries:
         speed = level_speed(airframe, lift_coefficient)
@@ -107,19 +118,20 @@ def first_trim(
 
 
 def prepared(
-    aircraft: str, root: str | None = None
-) -> tuple[Airframe, dict[str, float], TrimCondition]:
-    """An initialised airframe, properties created for it, and a condition: gear up, fuel frozen."""
-    create: dict[str, float] = {}
-    while True:
+    aircraft: str, root: str | None, create: Mapping[str, float] | str | None = None
+) -> tuple[Airframe, TrimCondition]:
+    """An initialised airframe, and a condition: gear up, fuel frozen.
+
+    Properties that the model lacks are created as 0 where ``create`` does not have them.
+    """
+    try:
         airframe = Airframe(aircraft, root=root, create=create)
-        try:
-            airframe.run_ic()
-            break
-        except AircraftError as error:
-            if not error.missing or error.missing in create:
-                raise
-            create[error.missing] = 0.0
+    except AircraftError as error:
+        if not error.missing:
+            raise
+        lacking = dict.fromkeys(error.missing, 0.0)
+        airframe = Airframe(aircraft, root=root, create={**mapping("create", create), **lacking})
+    airframe.run_ic()
     gear = 0.0 if has_retractable_gear(aircraft, root) else None
     frozen = {"propulsion/fuel_freeze": 1.0} if airframe.has("propulsion/fuel_freeze") else {}
-    return airframe, create, TrimCondition(gear=gear, setup=frozen)
+    return airframe, TrimCondition(gear=gear, setup=frozen)

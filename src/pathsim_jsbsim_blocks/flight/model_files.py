@@ -7,13 +7,14 @@ import os
 import shutil
 import tempfile
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import jsbsim
 
 from .._core.checks import as_path, did_you_mean, nearest
 from ..errors import AircraftError, FileError
+from .references import references
 
 _INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
 
@@ -80,8 +81,9 @@ class ModelFile:
             raise AircraftError(
                 f"the aircraft must be a model's name, not {aircraft!r}", aircraft=repr(aircraft)
             )
+        self.aircraft = aircraft = str(aircraft)  # of numpy's strings
         folder = _aircraft_folder(root, aircraft)
-        self.aircraft, self.path = aircraft, folder / aircraft / f"{aircraft}.xml"
+        self.path = folder / aircraft / f"{aircraft}.xml"
         try:
             # a slash in the name could lead out of the folder
             known = Path(aircraft).name == aircraft and self.path.is_file()
@@ -123,6 +125,15 @@ class ModelFile:
                 f"aircraft {self.aircraft!r} gives its empty-weight CG in the unknown unit {unit!r}"
             )
         return location, _INCHES[unit]
+
+    def references_beyond(self, exists: Callable[[str], bool]) -> list[str]:
+        """Properties to which the model refers and which do not exist."""
+        missing = []
+        for name in references(self.path, self.path.parents[2]):
+            with contextlib.suppress(RuntimeError):  # not a property's name
+                if not exists(name):
+                    missing.append(name)
+        return missing
 
     @contextlib.contextmanager
     def staged(self, x: float) -> Iterator[str]:

@@ -24,8 +24,6 @@ class PropertyTree:
     def _open_tree(self) -> None:
         """Turn to the properties of a new executive."""
         self._properties = self.fdm.get_property_manager()
-        # properties that JSBSim does not have itself
-        self._created: set[str] = set()
         self._names: list[str] | None = None
         # a trim map reads and writes the same few properties at every point
         self._nodes: dict[tuple[str, str], tuple[jsbsim.FGPropertyNode, Check | None]] = {}
@@ -77,7 +75,7 @@ class PropertyTree:
     def _catalogue(self) -> list[str]:
         if self._names is None:
             known = {line.partition(" (")[0] for line in self.fdm.get_property_catalog()}
-            self._names = sorted(known - {""} | self._created)
+            self._names = sorted(known - {""})
         return self._names
 
     def reader(self, name: str) -> Callable[[], float]:
@@ -129,6 +127,13 @@ class PropertyTree:
 
         return write
 
+    def make(self, name: str, value: float) -> None:
+        """Create a property, unless it exists."""
+        if not self._known(name):
+            if name.startswith("-"):
+                self._find(name)  # refused
+            self.fdm[name] = value
+
     def access(self, name: str) -> str:
         """``"rw"``, ``"r-"`` or ``"-w"``: how an existing property can be used."""
         return _access(self._find(name))
@@ -169,7 +174,7 @@ class PropertyTree:
             if name.startswith("-"):
                 return False
             # the only call that does not abort the process on a malformed name
-            return self._properties.hasNode(name)
+            return self._properties.hasNode(str(name))
         except (RuntimeError, ValueError) as error:
             close = self._similar(re.sub(r"[^\w/\[\]-]", "", str(name)))
             raise self.property_error(
@@ -191,7 +196,7 @@ class PropertyTree:
         if not known or not name.strip():
             message = f"aircraft {self.aircraft!r} has no property {name!r}"
             raise self.property_error(name, message, self._similar(name))
-        node = self._properties.get_node(name)
+        node = self._properties.get_node(str(name))
         assert node is not None
         names, place = self._catalogue(), self._path(node)
         at_the_root = "/fdm/jsbsim/".startswith(f"{place.rstrip('/')}/")

@@ -41,6 +41,8 @@ ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running")
 _RANGES = {  # property: lowest and highest value
     r"inertia/pointmass-weight-lbs(\[\d+\])?": (0.0, math.inf),
     r"propulsion/tank(\[\d+\])?/contents-lbs": (0.0, math.inf),
+    # JSBSim takes all others as one and the same
+    r"(simulation|atmosphere)/randomseed": (-(2.0**31), 2.0**31 - 1.0),
     # JSBSim makes them at once, until the memory is full
     r"atmosphere/updownburst/number-of-cells": (0.0, 1000.0),
 }

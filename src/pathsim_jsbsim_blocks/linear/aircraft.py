@@ -54,14 +54,15 @@ class LinearAircraft(LinearModelBlock):
     condition : TrimCondition, optional
         replaces the parameters from ``altitude`` to ``flaps`` where they are not sufficient
     setup : dict, optional
-        properties written before initialisation and trim (fuel, payload)
+        properties written before initialisation and trim (fuel, payload); one that has another
+        value then is refused, but for commands that the trim solves for
     properties : dict, optional
         properties written after the trim (turbulence)
     method : str
         "flown" or "algebraic", as in `Aircraft.linear_model`
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
-    create : dict, optional
+    create : dict or "missing", optional
         properties that the model expects from its environment (FlightGear), with their values
 
     Inputs
@@ -124,7 +125,7 @@ class LinearAircraft(LinearModelBlock):
     properties: Mapping[str, float] | None = None
     method: Literal["flown", "algebraic"] = "flown"
     root: str | None = None
-    create: Mapping[str, float] | None = None
+    create: Mapping[str, float] | str | None = None
 
     # the model has no wind
     input_port_labels = numbered("elevator aileron rudder throttle")

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import as_path, did_you_mean, mapping, must_be, nearest, positive, refuse
+from .._core.checks import (
+    as_path,
+    did_you_mean,
+    mapping,
+    must_be,
+    name_list,
+    nearest,
+    positive,
+    refuse,
+)
 from .._core.extras import required
 from .._core.files import write_whole
 from ..errors import FileError
@@ -346,8 +355,7 @@ def find(parameter: str, known: Sequence[str], wanted: Sequence[str] | None) -> 
     """Numbers of the names wanted, known ones, each once; all for None."""
     if wanted is None:
         return list(range(len(known)))
-    if isinstance(wanted, str) or not isinstance(wanted, Sequence):
-        must_be(parameter, wanted, "a list of names")
+    wanted = name_list(parameter, wanted)
     for i, name in enumerate(wanted):
         if name not in known:
             close = did_you_mean(nearest(str(name), known)) or f" among {', '.join(known)}"

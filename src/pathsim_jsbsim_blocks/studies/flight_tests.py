@@ -95,7 +95,8 @@ class Plane:
 
     def __init__(self, task: Mapping[str, Any]):
         self._trims = 0
-        self.airframe, self.create, base = prepared(task["aircraft"], task["root"])
+        self.airframe, base = prepared(task["aircraft"], task["root"], task["create"])
+        self.create = self.airframe.created
         self.flyer = partial(Airframe, task["aircraft"], root=task["root"], create=self.create)
         self.rows: list[Row] = []
         self.reason = ""

@@ -423,6 +423,7 @@ def performance_table(
     weights: float | Iterable[float] | None = None,
     flaps: float | Iterable[float] | None = None,
     root: str | None = None,
+    create: Mapping[str, float] | str | None = None,
     jobs: int = -1,
     resume: str | Path | None = None,
     progress: bool = True,
@@ -446,6 +447,9 @@ def performance_table(
         flap commands for the stall speeds, 0 to 1; default 0, 0.5 and 1
     root, jobs, resume, progress
         as in `trim_sweep`
+    create : dict or "missing", optional
+        properties that the model expects from its environment, with their values; others that it
+        lacks are created as 0
 
     Returns
     -------
@@ -463,12 +467,13 @@ def performance_table(
         for a model that is unknown or cannot be initialised
     """
     pd = required("pandas", "studies")
-    airframe, _, _ = prepared(aircraft, root)
+    airframe, _ = prepared(aircraft, root, create)
     jet = bool(airframe.engines and not airframe.of_engines("propeller-rpm"))
     at = _ALTITUDES[jet] if altitudes is None else _axis("altitude", altitudes)
     given = [None] if weights is None else _axis("weight", weights)
     settings = _FLAPS if flaps is None else _axis("flaps", flaps)
-    common: Row = {"aircraft": aircraft, "root": root, "flaps": None}
+    common: Row = {"aircraft": airframe.aircraft, "root": root, "flaps": None}
+    common["create"] = airframe.created
     common |= {"altitude": at[0], "weight": given[0]}
     parts = [{**common, "part": "level", "altitude": h, "weight": w} for w in given for h in at]
     parts += [{**common, "part": part} for part in ("turn", "V-n", "field")]

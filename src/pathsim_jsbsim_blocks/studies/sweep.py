@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,6 +37,7 @@ def trim_sweep(
     *,
     outputs: Sequence[str] = (),
     root: str | None = None,
+    create: Mapping[str, float] | str | None = None,
     chunk: int = 20,
     jobs: int = -1,
     resume: str | Path | None = None,
@@ -63,6 +64,8 @@ def trim_sweep(
         further JSBSim properties to read at each trimmed point
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
+    create : dict or "missing", optional
+        properties that the model expects from its environment, as of `Airframe`
     chunk : int
         points that a worker takes at once, rounded up to whole chains of 20
     jobs : int
@@ -98,18 +101,21 @@ def trim_sweep(
     conditions = [trim_condition(i, point) for i, point in enumerate(points)]
     outputs = list(dict.fromkeys(property_list("outputs", outputs)))
     chunk = whole("chunk", chunk, low=1)
-    _try_out(aircraft, root, conditions, outputs)
+    airframe = partial(Airframe, aircraft, root=root)
+    created = _try_out(partial(airframe, create=create), conditions, outputs)
+    airframe = partial(airframe, create=created)
     order = sorted(range(len(points)), key=lambda i: _place(conditions[i]))
     ordered = [conditions[i] for i in order]
     rows = run_parts(
-        partial(_trim_points, aircraft, root, tuple(outputs)),
+        partial(_trim_points, airframe, tuple(outputs)),
         _chunks(ordered, chunk),
         died={"trimmed": False, "reason": WORKER_DIED},
         describe=lambda condition: f"{aircraft}: {condition}",
         title=f"trim_sweep {aircraft}, {count} points",
         job=lambda: {
-            "aircraft": aircraft,
+            "aircraft": str(aircraft),
             "root": root and str(root),
+            "create": created,
             "outputs": outputs,
             "chunk": chunk,
             "chain": _CHAIN,
@@ -165,24 +171,28 @@ def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimConditi
 
 
 def _try_out(
-    aircraft: str, root: str | None, conditions: list[TrimCondition], outputs: list[str]
-) -> None:
-    """Trim one point of each structure, so that bad input fails before the work begins."""
+    load: Callable[..., Airframe], conditions: list[TrimCondition], outputs: list[str]
+) -> dict[str, float]:
+    """Trim one point of each structure, so that bad input fails before the work begins.
+
+    Returns the properties created for the model.
+    """
     for condition in {structure(condition): condition for condition in conditions}.values():
-        airframe = Airframe(aircraft, root=root, empty_cg_x=condition.empty_cg_x)
+        airframe = load(empty_cg_x=condition.empty_cg_x)
         for name in outputs:
             airframe.reader(name)
         with contextlib.suppress(TrimError):
             trim(airframe, condition, hint=False)
+    return airframe.created
 
 
 def _trim_points(
-    aircraft: str, root: str | None, outputs: tuple[str, ...], conditions: list[TrimCondition]
+    load: Callable[..., Airframe], outputs: tuple[str, ...], conditions: list[TrimCondition]
 ) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for i, condition in enumerate(conditions):
         if i % _CHAIN == 0:
-            airframe = Airframe(aircraft, root=root, empty_cg_x=condition.empty_cg_x)
+            airframe = load(empty_cg_x=condition.empty_cg_x)
         try:
             state = trim(airframe, condition, hint=False, warm=True)
         except TrimError as error:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from pathsim.blocks import Scope
 
-from .._core.checks import must_be, number, optional, refuse
+from .._core.checks import must_be, name_list, number, optional, refuse
 from .._core.parameters import Parametric, parameter
 from .._core.pathsim_internals import NamedRegister
 from .._core.scopes import name_and_unit, recording
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 
 def _labels(parameter: str, signals: Any) -> list[str]:
     """Labels of signals whose ports have names of their own."""
-    listed = isinstance(signals, Sequence) and not isinstance(signals, str)
-    if not listed or not all(isinstance(s, str) for s in signals):
+    signals = name_list(parameter, signals, "a list of labels")
+    if not all(isinstance(s, str) for s in signals):
         must_be(parameter, signals, "a list of labels")
     ports = [*POSITION, *(name_and_unit(writable_text(parameter, x))[0] for x in signals)]
     twice = [port for i, port in enumerate(ports) if port in ports[:i]]
     if twice:
         why = f"{parameter} has {twice[0]!r} twice, or it is a port of every recorder: "
         refuse(parameter, signals, why + ", ".join(POSITION))
-    return list(signals)
+    return signals
 
 
 @dataclass(eq=False, repr=False)

@@ -12,6 +12,7 @@ from ..airframe import Airframe
 from ..model_files import has_retractable_gear
 from . import check
 from .condition import TrimCondition, check_condition
+from .initial import read_back
 from .nearest import with_nearest
 from .state import Drift, TrimState
 from .trimmer import Trimmer
@@ -80,8 +81,8 @@ def trim(
     PropertyError
         for unknown properties in ``setup`` or the condition, or missing tanks or point masses
     ParameterError
-        for initial conditions in ``setup`` that the trim would overwrite, and for an aircraft's
-        name in place of an `Airframe`
+        for properties in ``setup`` that have another value after the trim, naming what to set
+        instead, and for an aircraft's name in place of an `Airframe`
     """
     if not isinstance(airframe, Airframe):
         must_be("airframe", airframe, "an Airframe, as in trim(Airframe('c172p'), ...)")
@@ -97,6 +98,7 @@ def trim(
         if not hint:
             raise
         raise with_nearest(airframe, setup, error) from None
+    read_back(airframe, condition, setup, found.free)
     if hint:
         _warn_of_gear(airframe, found)
         if flown and flown.leaves:

@@ -131,7 +131,8 @@ class TrimCondition:
         x of the empty-weight CG in inches aft, structural axes; default is the model's own
     setup : dict, optional
         further properties to write before the model is initialised; a block's own ``setup`` is
-        written after these. In mode "none" initial conditions given here (``ic/vd-fps``,
+        written after these. One that has another value after the trim is refused, but for commands
+        that the trim solves for. In mode "none" initial conditions given here (``ic/vd-fps``,
         ``ic/p-rad_sec``) replace those of the fields above
     throttle : float, optional
         command of every engine, 0 to 1, instead of the one that holds speed and path

@@ -58,6 +58,8 @@ def failure(
     why = why or limits.get(reason, f"the {reason} ran to the end of its range")
     if limit is not None:
         why += f", {limit + 0.0:.4g}"
+    if not all(map(math.isfinite, residuals.values())) and (zeros := airframe.created_as_zero()):
+        why += f" ({zeros})"
     left = ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
     return TrimError(
         f"aircraft {airframe.aircraft!r} does not trim at {condition}: {why}; {reached} {left} "

@@ -6,7 +6,7 @@ import dataclasses
 import itertools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -22,33 +22,66 @@ _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, where the ground trim starts
 # an altitude is above the place that is set
 _PLACE = ("ic/lat-", "ic/long-", "ic/terrain-")
 
-# initial conditions that a trim overwrites -> the field of a condition that sets them
-_OVERWRITTEN = {
-    r"ic/h-(sl|agl)-ft": "altitude",
-    r"ic/v[cegt]-kts|ic/v[gt]-fps": "speed",
+# properties that a condition sets -> its field
+_FIELDS = {
+    r"(ic|position)/h-(sl|agl)-.*": "altitude",
+    r"ic/v[cegt]-kts|ic/v[gt]-fps|velocities/v[cegt]-.*": "speed",
     r"ic/mach": "mach",
     r"ic/([uvw]|v[ned])-fps": "speed, gamma and heading",
     r"ic/(gamma|theta|alpha)-(deg|rad)|ic/roc-fp[ms]": "gamma",
     r"ic/phi-(deg|rad)": "bank",
     r"ic/psi-true-(deg|rad)": "heading",
     r"ic/beta-(deg|rad)": "beta",
-    r"ic/vw-.*": "wind_north and wind_east",
+    r"ic/vw-.*|atmosphere/(wind-.*|psiw-rad)": "wind_north and wind_east",
     r"ic/[pqr]-rad_sec": "mode",
+    r"ic/terrain-elevation-ft": "altitude",
+    r"position/lat-.*": "latitude",
+    r"position/long-.*": "longitude",
+    r"fcs/throttle-cmd-norm.*": "throttle",
+    r"fcs/flap-.*": "flaps",
+    r"gear/gear-.*": "gear",
 }
+
+# of a value that is read back
+_ROUNDING = 1e-6
 
 
 def properties(
     airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None
 ) -> dict[str, float]:
-    """The properties of a condition, then those of ``setup``; refuses what the trim overwrites."""
+    """The properties of a condition, then those of ``setup``."""
     last = mapping("setup", setup)
-    for name in {**condition.setup, **last}:
-        for pattern, parameter in _OVERWRITTEN.items():
-            if condition.mode != "none" and re.fullmatch(pattern, airframe.canonical(name)):
-                why = f"setup[{name!r}] would be overwritten by the trim: set {parameter} of the "
-                refuse("setup", name, f'{why}condition, or start without a trim (mode="none")')
     first = {**_loading(condition), **condition.setup}
     return {**{n: v for n, v in first.items() if n not in last}, **last}
+
+
+def read_back(
+    airframe: Airframe,
+    condition: TrimCondition,
+    setup: Mapping[str, float] | None,
+    free: Sequence[str],
+) -> None:
+    """Refuse properties of a setup that have another value after initialisation and trim.
+
+    Commands that the search has solved for, with the unknowns ``free``, are exempt, and so is what
+    cannot be read.
+    """
+    # the elevator takes the place of a pitch trim without effect
+    moved = "|".join({*free, "pitch_trim"} if free else ()).replace("_", "-")
+    for name, value in {**condition.setup, **mapping("setup", setup)}.items():
+        path = airframe.canonical(name)
+        solved = re.fullmatch(rf"fcs/({moved})-cmd-norm(\[\d+\])?", path)
+        if solved or "r" not in airframe.access(name):
+            continue
+        # JSBSim keeps the rates of the initial conditions, which a trim does not have
+        now = airframe.reader(re.sub(r"ic/([pqr]-rad_sec)", r"velocities/\1", path))()
+        if not math.isclose(now, value, rel_tol=_ROUNDING, abs_tol=1e-3 * _ROUNDING):
+            fields = [field for pattern, field in _FIELDS.items() if re.fullmatch(pattern, path)]
+            instead = f"set {fields[0]} of the condition" if fields else "write it after the trim"
+            if path.startswith("ic/") and condition.mode != "none":
+                instead += ", or start without a trim (mode='none')"
+            why = f"setup[{name!r}] is overwritten: set to {value!r}, it is {now:.7g} after "
+            refuse("setup", name, f"{why}initialisation and trim; {instead}")
 
 
 def _loading(condition: TrimCondition) -> dict[str, float]:

@@ -68,6 +68,7 @@ def find(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
     found, said = messages(search, hushed=True)
     if not found:
         limits = _LIMITS_OF_MODES.get(condition.mode, LIMITS)
-        axis = re.search(r"Sorry, (\w+) doesn't appear to be trimmable", " ".join(said))
+        text = " ".join(text for _, text in said)
+        axis = re.search(r"Sorry, (\w+) doesn't appear to be trimmable", text)
         raise failure(airframe, condition, limits[axis[1]] if axis else "no convergence")
     return MOVED[condition.mode]
