@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import BlocksError
+from ..errors import BlocksError, ParameterError
 from .arguments import FIGURE, TOOLBOX, TRUST, command, file, number, option, repeatable
 from .console import directory_is_gone, report, tell
 from .editor import asking
@@ -75,15 +75,11 @@ def list_(args: argparse.Namespace) -> None:
 )
 def run(args: argparse.Namespace) -> int:
     from .._core.callers import keep_warnings_visible
-    from .._core.checks import positive, refuse
-    from ..catalogue import find_diagram
+    from .._core.checks import positive
     from ..scripts.runs import with_duration, with_progress
     from ..scripts.script import Script, main_program
-    from ..studies import STUDIES
 
     keep_warnings_visible()  # those of a script without a block of ours too
-    if args.name in STUDIES:
-        refuse("name", args.name, f"{args.name} is a study: pathsim-jsbsim study {args.name}")
     settings, duration, source = _settings(args.set), args.duration, None
     if duration is not None:
         positive("duration", duration)
@@ -92,7 +88,7 @@ def run(args: argparse.Namespace) -> int:
         script = Path(args.name).absolute()
         source = _code_of_model(script, args)
     else:
-        script = find_diagram(args.name, STUDIES).absolute()
+        script = _script(args.name).absolute()
     signals = signals_writer(args.csv, args.csv_rate)
     status = 0
     try:
@@ -127,6 +123,21 @@ def run(args: argparse.Namespace) -> int:
         if not status:
             raise
     return status
+
+
+def _script(name: str) -> Path:
+    """The script of a diagram; studies are loaded only to explain a name that is none."""
+    from .._core.checks import refuse
+    from ..catalogue import find_diagram
+
+    try:
+        return find_diagram(name)
+    except ParameterError:
+        from ..studies import STUDIES
+
+        if name in STUDIES:
+            refuse("name", name, f"{name} is a study: pathsim-jsbsim study {name}")
+        return find_diagram(name, STUDIES)
 
 
 def _settings(items: Sequence[str]) -> dict[str, Any]:
