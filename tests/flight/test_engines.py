@@ -172,6 +172,23 @@ def test_beside_a_motor_a_piston_engine_may_be_off(tmp_path):
         trim(airframe, dataclasses.replace(off, engines_off=[1]))
 
 
+def test_the_excess_of_the_throttle_is_that_of_motors_too(tmp_path):
+    # JSBSim marks neither: the motor follows its throttle, the piston engine is off
+    first = r'(<engine file="engIO470D">.*?<engine file=")engIO470D', r"\1motor"
+    files = {"engine/motor.xml": outside.ELECTRIC.format(180_000)}
+    plane = Aircraft(
+        "c310",
+        condition=TrimCondition(altitude=2000, speed=100, gear=0, engines_off=[0]),
+        root=outside.changed(tmp_path, "c310", first, files=files),
+        input_properties=["throttle[1]"],
+    )
+    plane.advance(1, [0.0] * 7 + [1.0])
+    expected = plane.trim.throttle[1]  # of the motor alone; 1 more than the trimmed one is asked
+    assert plane.advance(2, [0.0] * 7 + [1.0])[plane.output_port_labels["thr_sat"]] == (
+        pytest.approx(expected, abs=1e-12)
+    )
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(("aircraft", "condition"), [("c172p", SINGLE), ("c310", TWIN)])
 def test_electric_aircraft_have_linear_models_gains_and_holds(tmp_path, aircraft, condition):

@@ -303,7 +303,11 @@ class Aircraft(FlightBlock):
         north = east = down = 0.0
         # excess of each engine
         beyond = [0.0] * len(engines)
-        running = [self.airframe.reader(name) for name in self.airframe.of_engines("set-running")]
+        runs = "propulsion/engine[{}]/set-running".format
+        running = [
+            (lambda: 1.0) if engine.follows_throttle else self.airframe.reader(runs(engine.number))
+            for engine in self.airframe.engine_list
+        ]
 
         def mean_of_running() -> float:
             values = [x for x, runs in zip(beyond, running, strict=True) if runs()] or beyond

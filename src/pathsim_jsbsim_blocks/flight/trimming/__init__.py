@@ -36,9 +36,10 @@ def trim(
 
     The Newton search moves all controls together within their limits until udot, vdot, wdot are
     below 1e-4 ft/s2 and pdot, qdot, rdot below 1e-5 rad/s2 (usually 1e-9), with propellers and
-    flight control system settled. A stand-in then flies it (pull-ups are not flown): within 0.25 s
-    vdot stays below 0.1 ft/s2 and pdot, qdot, rdot below 0.02 rad/s2. In a turn the sideslip is
-    zero and the rate is what the side force makes it; ``ny`` of the state is the side load.
+    flight control system settled and fuel frozen. Engines have fuel for 1 s then. A stand-in then
+    flies it (pull-ups are not flown): within 0.25 s vdot stays below 0.1 ft/s2 and pdot, qdot, rdot
+    below 0.02 rad/s2. In a turn the sideslip is zero and the rate is what the side force makes it;
+    ``ny`` of the state is the side load.
     JSBSim's own search (``solver="jsbsim"``, and on the ground) takes one control after the other,
     to residuals of up to 0.01 ft/s2 and 0.001 rad/s2.
 

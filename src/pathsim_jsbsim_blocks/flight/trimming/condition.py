@@ -147,7 +147,8 @@ class TrimCondition:
         (feather them in ``setup``, ``fcs/feather-cmd-norm[i]``, where the model can). With one
         engine out in flight (Newton search) it finds bank, aileron and rudder at the sideslip angle
         ``beta``. Without any engine use mode "glide". In ``setup``,
-        ``propulsion/engine[i]/set-running`` of 0 means the same
+        ``propulsion/engine[i]/set-running`` of 0 means the same. Electric motors and rockets are
+        refused: only their throttle stops them
     solver : str, optional
         "newton" (the default in flight; `pathsim_jsbsim_blocks.flight.trim` describes it) or
         "jsbsim": JSBSim's own search, from which published numbers come, and the only one on the

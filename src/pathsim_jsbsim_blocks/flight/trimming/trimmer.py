@@ -7,7 +7,6 @@ import dataclasses
 import math
 import weakref
 from collections.abc import Iterator, Mapping, Sequence
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +22,6 @@ from .failure import LIMITS, failure
 from .initial import engines_off, initialise, is_initial, properties
 from .search import POLISHED, Reached, descend
 from .state import STATE, TrimState, not_finite, read_state
-
-_NONE: Mapping[str, float] = MappingProxyType({})
 
 # first guesses, one after the other until one leads to a trim: alpha in deg, throttle
 _GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
@@ -168,7 +165,7 @@ class Trimmer:
             self._start_with_fuel(airframe, condition)
 
     def _start(
-        self, airframe: Airframe, condition: TrimCondition, initial: Mapping[str, float] = _NONE
+        self, airframe: Airframe, condition: TrimCondition, initial: Mapping[str, float] = {}
     ) -> None:
         with airframe.engines_stopped():
             initialise(airframe, condition, condition.heading, initial)
