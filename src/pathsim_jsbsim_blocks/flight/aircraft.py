@@ -303,11 +303,7 @@ class Aircraft(FlightBlock):
         north = east = down = 0.0
         # excess of each engine
         beyond = [0.0] * len(engines)
-        runs = "propulsion/engine[{}]/set-running".format
-        running = [
-            (lambda: 1.0) if engine.follows_throttle else self.airframe.reader(runs(engine.number))
-            for engine in self.airframe.engine_list
-        ]
+        running = self.airframe.running_readers()
 
         def mean_of_running() -> float:
             values = [x for x, runs in zip(beyond, running, strict=True) if runs()] or beyond

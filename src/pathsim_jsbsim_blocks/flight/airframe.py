@@ -360,6 +360,14 @@ class Airframe(PropertyTree):
         runs = "propulsion/engine[{}]/set-running".format
         return {e.number: bool(self.fdm[runs(e.number)]) for e in self.engine_list if e.is_marked}
 
+    def running_readers(self) -> list[Callable[[], float]]:
+        """Functions that tell whether each engine runs; one that follows its throttle does."""
+        runs = "propulsion/engine[{}]/set-running".format
+        return [
+            (lambda: 1.0) if engine.follows_throttle else self.reader(runs(engine.number))
+            for engine in self.engine_list
+        ]
+
     def not_running(self) -> list[int]:
         """Engines that are not stopped and do not run, of those that JSBSim marks."""
         return [i for i, runs in self.marks().items() if not runs and i not in self.stopped]
