@@ -132,6 +132,21 @@ def test_a_piece_of_a_run_begins_as_a_run_does():
         assert np.array_equal(one, two)
 
 
+def test_a_first_step_by_hand_begins_as_a_run_does():
+    source, scope, times = Source(lambda t: 1.0), Scope(), []
+    crossing = ZeroCrossing(lambda t: source.outputs[0] - 0.5, times.append)
+    sim = Simulation([source, scope], [Connection(source, scope)], [crossing], dt=0.5, log=False)
+    assert not sim.engine.history, "Solver.history no longer tells that no step was made"
+    sim._buffer(0.0, 0.5)
+    assert sim.engine.history
+    seam.begin_stepping(sim)
+    assert times == []
+    assert [*map(list, scope.read())] == [[0.0], [[1.0]]]
+    sim._sampling_enabled = False
+    seam.begin_stepping(sim)
+    assert len(scope.read()[0]) == 1, "Simulation._sampling_enabled no longer stops sampling"
+
+
 def test_private_names_of_pathsim_are_in_the_seam_only():
     found, private = set(), private_names()
     for file, node in nodes():
@@ -194,7 +209,7 @@ def test_an_evaluation_is_that_of_pathsim():
         return sim, scope
 
     (one, seen), (other, expected) = diagram(), diagram()
-    seam.evaluate(seam.levels(one, one.blocks), 0.7)
+    seam.evaluate(seam.levels(one), 0.7)
     other._update(0.7)
     assert np.array_equal(seen.inputs.to_array(), expected.inputs.to_array())
     assert np.count_nonzero(seen.inputs.to_array()) == 6

@@ -179,7 +179,7 @@ def looked_at(diagram):
     if len(sim.blocks) == 4:  # no continuous states
         sim.steadystate()
     assert len(plant.latched) == plant.samples == 5
-    assert law.clock.index == 6
+    assert law.clock.latest[0] == 6
     sim._update(sim.time)
     assert np.array_equal(plant.outputs.to_array(), seen[0])
     assert np.array_equal(law.outputs.to_array(), seen[1])
@@ -306,10 +306,9 @@ def ramp():
 
 def clock_in_a_step_from(t):
     clock = counting(ramp())[0].clock
+    clock.now = 1, [0.0], [0.0]
     clock.join(t)
-    clock.step_start, clock.in_step = t, True
-    clock.start = 0.0
-    clock.go_to(1)
+    clock.reached, clock.stepping = t, True
     return clock
 
 
@@ -319,7 +318,7 @@ def test_a_long_run_keeps_no_results_of_old_instants(states, dt):
     plant, sim = counting(ramp(), *(Integrator() for _ in range(states)), dt=dt)
     sim.run(10.0)
     assert plant.samples == 100
-    assert plant.clock.ahead is None
+    assert plant.clock.latest[0] == 101
     assert len(plant.clock) == 0  # PathSim's Schedule keeps a list of all instants
 
 
@@ -328,7 +327,7 @@ def test_a_new_period_is_that_of_the_next_reset():
     sim = Simulation([one, area], [Connection(one, area)], dt=T, log=False)
     for period in (T, 2 * T):
         sim.run(1.0)
-        assert (area.clock.period, area.clock.now[0]) == (period, round(1.0 / period) + 1)
+        assert (area.clock.period, area.clock.latest[0]) == (period, round(1.0 / period) + 1)
         assert area.outputs[0] == pytest.approx(1.0)
         area.T = 2 * T
         assert area.clock.period == period
@@ -339,20 +338,32 @@ def test_a_run_that_begins_elsewhere_counts_on_from_there():
     clock = Count().clock
     clock.now = 4, [3.0], [0.0]
     clock.join(5.03)
-    assert clock.index == 4
+    assert clock.now[0] == 4
     assert clock.next() == pytest.approx(5.03 + T)
     assert clock.count(5.03 + T) == 1
     assert clock.count(5.03 + 3 * T) == 3
+
+
+def test_a_time_that_is_set_by_hand_is_that_of_the_latest_instant():
+    plant, sim = counting(ramp())
+    sim.run(3 * T)
+    sim.time = 1000.0
+    sim.run(2 * T)
+    assert [index for index, _ in plant.latched] == [1, 2, 3, 4, 5]
+    assert plant.latched[3] == (4, pytest.approx(1000.0))
 
 
 def test_an_instant_counts_from_a_hundredth_of_a_period_before_it_at_most():
     # the diagram's clock accumulates its error; far from the start, 1e-9 of the time is more than
     # 1 % of a period of 1e-4 s
     clock = Count(1e-4).clock
-    assert clock.next() - clock.due_from == pytest.approx(1e-13 + 1e-13, rel=1e-2)
-    clock.go_to(10**9)
+    clock.now = 1, [0.0], [0.0]
+    clock.join(0.0)
+    assert clock.next() - clock.due == pytest.approx(1e-13 + 1e-13, rel=1e-2)
+    clock.now = 10**9, [0.0], [0.0]
+    clock.join(1e5)
     time = clock.next()
-    assert time - clock.due_from == pytest.approx(1e-6, rel=1e-3)
+    assert time - clock.due == pytest.approx(1e-6, rel=1e-3)
     assert clock.slack == pytest.approx(1e-6, rel=1e-3)
     assert not clock.at_latest(time - 1e-4 + 1.01e-6)
     assert clock.at_latest(time - 1e-4 + 0.99e-6)
@@ -360,9 +371,9 @@ def test_an_instant_counts_from_a_hundredth_of_a_period_before_it_at_most():
 
 def test_the_very_time_at_which_an_instant_is_due_counts():
     clock = clock_in_a_step_from(0.0)
-    assert clock.count(clock.due_from) == 1
-    assert clock.detect(clock.due_from)[0]
-    assert not clock.detect(math.nextafter(clock.due_from, 0.0))[0]
+    assert clock.count(clock.due) == 1
+    assert clock.detect(clock.due)[0]
+    assert not clock.detect(math.nextafter(clock.due, 0.0))[0]
     # the late end of the window is on time, what comes after it is a jump
     late = clock.next() + clock.slack
     assert clock.detect(late)[1]

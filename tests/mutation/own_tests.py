@@ -8,7 +8,7 @@ line, figures, and what only names or loads other modules.
 
 OWN_TESTS = {
     "_core/pathsim_internals": "pathsim_seam sampling running -k not in_the_seam_only",
-    "_core/sampling": "sampling random_diagrams checkpoint",
+    "_core/sampling": "sampling random_diagrams checkpoint ends_of_steps",
     "flight/fdm": "promises limits property_ports checkpoint reset bad_input -k not ten_seconds and not process_alive",
     "flight/aircraft": "aircraft promises wind_ports property_ports",
     "flight/integrators": "integrators_and_planet bad_input",

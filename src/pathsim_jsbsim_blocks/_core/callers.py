@@ -7,6 +7,7 @@ import traceback
 import warnings
 from collections.abc import Iterator
 from types import FrameType
+from typing import Any
 
 _OURS = (__name__.partition(".")[0], "pathsim")
 
@@ -45,6 +46,14 @@ def depth_in_subsystems() -> int:
         if any(isinstance(x, Simulation) for x in found):
             break
     return len(inside)
+
+
+def calling_simulation(engine: Any) -> Any:
+    """The simulation with this engine, which is calling an event of a block."""
+    from pathsim import Simulation
+
+    variables = (x for frame in frames() for x in frame.f_locals.values())
+    return next(x for x in variables if isinstance(x, Simulation) and x.engine is engine)
 
 
 def _captured() -> bool:

@@ -15,7 +15,7 @@ from unittest.mock import patch
 
 from pathsim import Connection, Simulation, Subsystem
 from pathsim.blocks import Block, PinkNoise, StateSpace, WhiteNoise
-from pathsim.events import Event
+from pathsim.events import Event, Schedule
 from pathsim.utils.progresstracker import ProgressTracker
 from pathsim.utils.register import Register
 
@@ -134,12 +134,12 @@ def is_dirty(sim: Simulation) -> bool:
 Level = tuple[list[Block], list[tuple[Connection, Block, Any, Block, Any]]]
 
 
-def levels(sim: Simulation, updated: Sequence[Block]) -> list[Level]:
-    """What an evaluation of a diagram without loops does, in its order; with these blocks only."""
+def levels(sim: Simulation) -> list[Level]:
+    """What an evaluation of a diagram without loops does, in its order."""
 
     def acts(block: Block) -> bool:
         own = getattr(block.update, "__func__", None) is not Block.update
-        return block in updated and (own or block.op_alg is not None)
+        return own or block.op_alg is not None
 
     return [
         (
@@ -209,6 +209,20 @@ def show_edited(sim: Simulation, dt: float, levels: Sequence[Level]) -> None:
         event.resolve(sim.time)
         update(sim.time)
     sim._sample(sim.time, dt)
+
+
+def begin_stepping(sim: Simulation) -> None:
+    """Do in the first step of a diagram that is stepped by hand what a run does before it."""
+    if not sim._sampling_enabled:
+        return
+    others = [event for event in sim._get_active_events() if not isinstance(event, Schedule)]
+    # nothing had been evaluated where the step has buffered them
+    sim._update(sim.time)
+    for event in others:
+        event.buffer(sim.time)
+    show_edited(sim, sim.dt, [])
+    for event in others:
+        event.buffer(sim.time)
 
 
 def draw_first(block: Block) -> None:

@@ -13,7 +13,7 @@ from pathsim.events import Schedule
 from . import pathsim_internals
 from .checks import must_be, number, positive
 from .progress import progress_bar
-from .sampling import SampleClock, SampledBlock, SampledPlant
+from .sampling import SampleClock, SampledBlock
 from .wiring import warn_of_wiring
 
 # relative; a step count this close to a whole number is rounded to it
@@ -152,9 +152,7 @@ class Steps:
         """Take the order of blocks and connections from the simulation's graph."""
         sim = self._sim
         self._graph = sim.graph
-        sampled = [(b, b.clock) for b in sim.blocks if isinstance(b, SampledBlock)]
-        self._plants = [pair for pair in sampled if isinstance(pair[0], SampledPlant)]
-        self._laws = [pair for pair in sampled if not isinstance(pair[0], SampledPlant)]
+        self._sampled = [(b, b.clock) for b in sim.blocks if isinstance(b, SampledBlock)]
         others = [b for b in sim.blocks if not isinstance(b, SampledBlock)]
         self._eventful = [b for b in others if b.events]
         self._recorders = [
@@ -168,9 +166,7 @@ class Steps:
             and not any(isinstance(e, SampleClock) for b in self._eventful for e in b.events)
             and all(type(wire) is Connection for wire in sim.connections)
         )
-        # plants show their outputs when they act
-        others = [b for b in sim.blocks if not isinstance(b, SampledPlant)]
-        self._levels = pathsim_internals.levels(sim, others) if self._flat else []
+        self._levels = pathsim_internals.levels(sim) if self._flat else []
 
     def _make_flat(self, count: int) -> int:
         """Make steps until there is something else in one; tells how many were made."""
@@ -178,24 +174,18 @@ class Steps:
         evaluate, sample = pathsim_internals.evaluate, pathsim_internals.sample
         is_dirty = pathsim_internals.is_dirty
         eventful, levels, recorders = self._eventful, self._levels, self._recorders
+        sampled = self._sampled
         while made < count and sim and sim.graph is graph and not is_dirty(sim):
             t = sim.time + dt
             if sim.diagnostics is not None:
                 break
             if (eventful or sim.events) and self._other_due(sim.time):
                 break
-            for block, clock in self._laws:
-                if t >= clock.due_from and block:
-                    if not clock.counting:
-                        # it was switched off and on
-                        return made
-                    block.act(t)
-            for block, clock in self._plants:
-                if t >= clock.due_from and block:
-                    if not clock.counting:
-                        return made
-                    block.act(t)
-                    block.update(t)
+            for block, clock in sampled:
+                if t >= clock.due and block:
+                    clock.buffer(sim.time)
+                    if t > clock.end:
+                        clock.end = t
             evaluate(levels, t)
             sample(recorders, t, dt)
             sim.time = t

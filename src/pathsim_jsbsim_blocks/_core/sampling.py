@@ -3,27 +3,27 @@
 PathSim makes a step in this order: ``buffer`` of every event; the solver's stages, if the diagram
 has continuous states; an evaluation of all blocks at the end of the step; ``detect`` of every
 event, and for each that is found ``resolve`` and another evaluation; ``sample`` of every block.
-A step may be rejected and repeated, and a diagram is evaluated between runs too (`to_statespace`,
-plots). A sampled block must act once at each instant ``t_k = start + k T``, and nowhere else:
+A run begins with an evaluation, ``detect`` and ``sample``. A step may be rejected, or ended by
+Ctrl-C, and repeated, and a diagram is evaluated between runs too (`to_statespace`, plots). A
+sampled block must act once at each instant ``t_k = start + k T``, and nowhere else:
 
 - `SampledPlant` reads its inputs at t_k, holds them over [t_k, t_k+1) and shows its new outputs at
-  t_k+1: no direct feed-through. It acts when its tick is resolved and reads its inputs in
-  ``sample``, where they are final.
+  t_k+1: no direct feed-through. It reads its inputs in ``sample``, where they are final.
 - `SampledLaw` computes its outputs at t_k from its inputs at t_k and holds them: direct
-  feed-through at the instants. From its tick to ``sample`` it is open: each evaluation computes it
-  again, from the state before the instant, so that the order of blocks does not matter.
+  feed-through at the instants. Each evaluation there computes it again, from the state before the
+  instant, so that the order of blocks does not matter.
 
-A step without solver stages has one evaluation, at its end. Blocks act there in place of the event:
-this saves an evaluation per block, and a ZeroCrossing sees the change. Not with an adaptive solver,
-whose search for a crossing would not end at a jump; with an implicit one, the first evaluation of a
-step with stages is at its end too.
+A solver's stage at t_k belongs to the time before. So a clock is open from its tick, an event, to
+``sample``. A step without stages has one evaluation, at its end, and clocks are open from its
+start: this saves an evaluation per block, and a ZeroCrossing sees the change. Not with an adaptive
+solver, whose search for a crossing would not end at a jump.
+
+What a step computes at t_k stands beside what holds before t_k (`SampleClock.ahead`, ``now``) until
+a step or a run of PathSim's starts at t_k or later. Where one starts earlier, the step to t_k was
+not completed, and it is repeated from what holds before t_k.
 
 What enters a subsystem from outside reaches the blocks inside one evaluation late, for each level
 of subsystems. `Settling` asks for so many more, after all ticks.
-
-What a tick has computed is kept beside what was sampled last (`SampleClock.ahead`, ``now``), and
-an evaluation before the instant shows the latter: a rejected or interrupted step is repeated
-without acting twice.
 """
 
 from __future__ import annotations
@@ -39,12 +39,13 @@ from weakref import WeakKeyDictionary
 from pathsim.events import Event, Schedule
 from pathsim.exceptions import LinearizationError
 
-from .callers import depth_in_subsystems, warn_user
+from .callers import calling_simulation, depth_in_subsystems, warn_user
 from .checks import number, positive, refuse
 from .continuous import Matrices, at_limit, continuous_equivalent
 from .parameters import Parametric
-from .pathsim_internals import WiredRegister, port_names, show, values
+from .pathsim_internals import WiredRegister, begin_stepping, port_names, show, values
 from .pathsim_types import Block
+from .wiring import name_of
 
 # s; catches typos such as T=1e-9
 SHORTEST_PERIOD = 1e-6
@@ -64,21 +65,23 @@ class Settling(Event):
     """Further evaluations after the ticks of a step, for the blocks in subsystems.
 
     There is one for each simulation; a block has it in its events once for each subsystem around.
+    The evaluation before PathSim asks all events clears both counts: an interrupt leaves nothing.
+
+    Attributes
+    ----------
+    depth, asked : int
+        evaluations that the blocks need, and those that were asked for
     """
 
-    depth = given = 0
-    wanted = False
-
-    def buffer(self, t: float) -> None:
-        self.wanted, self.given = False, 0
+    depth = asked = 0
 
     def detect(self, t: float) -> tuple[bool, bool, float]:
-        asked = self.wanted and self.given < self.depth
-        self.given += asked
-        return asked, asked, math.inf
+        asks = self.asked < self.depth
+        self.asked += asks
+        return asks, asks, math.inf
 
     def resolve(self, t: float) -> None:
-        self.buffer(t)
+        """An evaluation follows every event."""
 
     def off(self) -> None:
         """The other blocks still need it."""
@@ -95,20 +98,34 @@ class SampleClock(Schedule):
     ----------
     start, period : float
         time of instant 0 and T, s
-    index : int
-        the next instant
     now : tuple
-        of the latest instant: the next one's index, the outputs shown, and what `SampledPlant`
-        holds or the state of a `SampledLaw`. One assignment, which no interrupt can split
+        what holds before the next instant: its index, the outputs, and what `SampledPlant` holds
+        or the state of a `SampledLaw`. One assignment, which no interrupt can split
     ahead : tuple or None
-        the same of the next instant, where its tick came and ``sample`` did not
+        the same from the next instant on, where a step has reached it
+    due, end, slack : float
+        evaluations from ``due`` to ``end`` are at the next instant, s; how far the diagram's time,
+        to which PathSim adds dt at each step, may be from it, s
+    reached : float
+        time at which the block was last sampled, or from which a step starts, s; -inf where a run
+        has only begun, nan before the block is asked
+    stepping : bool
+        whether a step has started there, and has not sampled the block
+    open : bool
+        whether the block acts where it is evaluated at the next instant
+    at_end : bool
+        whether a step without stages is evaluated at its end only
+    depth : int
+        number of subsystems around the block
+    begun : int
+        the period that an aircraft has begun to fly
     """
 
     def __init__(self, block: SampledBlock):
         super().__init__(t_period=block.T)
         # here, because every step changes them: setting an attribute of a block is checked
-        self.block, self.settling = block, Settling()
-        self.now: tuple[int, Any, Any] = (block.first, None, None)
+        self.block, self.depth, self.at_end = block, 0, False
+        self.settling: Any = None
         self.reset()
 
     def reset(self) -> None:
@@ -117,97 +134,116 @@ class SampleClock(Schedule):
             # `Block.off` resets the block after its events are off
             self.off()
         self.period = self.t_period = _period(self.block.T)
-        # length of the last step, and start of that which has reached the latest instant
-        self.start = self.dt = self.since = 0.0
-        self.ahead: Any = None
-        # outputs before the latest instant, and those in the block's register
-        self.before: Any = None
-        self.shown: Any = None
-        # whether the law is evaluated; the period that a plant has begun
-        self.open, self.begun = False, 0
-        self.counting = self.in_step = self.first = self.acted = False
-        self.step_start = self.reached = 0.0
-        self.go_to(self.block.first)
+        self.start, self.begun = 0.0, 0
+        self._set((0, None, None))
 
-    def go_to(self, index: int) -> None:
-        """Wait for an instant."""
-        self.index, period = index, self.period
-        time = self.start + index * period
-        # how far the diagram's clock, to which PathSim adds dt at each step, may be from it
-        slack, most = 1e-13 + 1e-9 * abs(time), 0.01 * period
+    def _set(self, now: tuple[int, Any, Any]) -> None:
+        """Go on from ``now``, at any time."""
+        self.ahead: Any = None
+        self.now = now
+        self.reached, self.stepping, self.open = math.nan, False, False
+        self._wait()
+
+    def _wait(self) -> None:
+        """Find when the next instant is due."""
+        time, most = self.start + self.now[0] * self.period, 0.01 * self.period
+        slack = 1e-13 + 1e-9 * abs(time)
         self.slack = slack = slack if slack < most else most
-        self.due_from = time - slack
+        self.due, self.end = time - slack, time + slack
 
     def next(self) -> float:
         """Time of the next instant."""
-        return self.start + self.index * self.period
+        return self.start + self.now[0] * self.period
 
     def at_latest(self, t: float) -> bool:
         """Whether ``t`` is the latest instant."""
         return abs(t - self.next() + self.period) <= self.slack
 
-    def outputs_at(self, t: float) -> Any:
-        """The outputs of the latest instant, or those before it where a step is repeated."""
-        return self.before if t < self.due_from - 1.01 * self.period else self.now[1]
+    @property
+    def latest(self) -> tuple[int, Any, Any]:
+        """What holds after the instant at which the block was last sampled."""
+        return self.ahead if self.ahead and self.reached >= self.due else self.now
 
     def count(self, t: float) -> int:
         """Number of instants from the next one to ``t``."""
-        return 1 + int((t - self.due_from) / self.period)
+        return 1 + int((t - self.due) / self.period)
+
+    def _keep(self) -> None:
+        """What was sampled is final."""
+        if self.ahead and self.reached >= self.due:
+            self.now, self.ahead = self.ahead, None
+        self._wait()
+
+    def leave(self) -> None:
+        """The block comes into a simulation, at any time."""
+        self._keep()
+        self.reached, self.stepping, self.open = math.nan, False, False
 
     def join(self, t: float) -> None:
-        """Count from ``t`` on where this is another time than that of the block.
+        """What was sampled up to ``t`` is final.
 
-        The block was switched off for a while, or comes from another simulation. A step that was
-        interrupted starts again before the latest instant.
+        The block counts from ``t`` on where that is no time of its own: its flight begins, it was
+        switched off for a while, or it comes from another simulation.
         """
-        if self.index != self.now[0]:
-            self.go_to(self.now[0])
-        if not self.counting or not self.since - 0.01 * self.period <= t < self.due_from:
-            self.counting, self.since = True, t
-            self.start = t - max(self.index - 1, 0) * self.period
-            self.go_to(self.index)
-            if self.at_latest(t):
-                self.block.sample(t, self.dt)
+        if t >= self.due:
+            self._keep()
+        if not (self.due - 1.01 * self.period <= t < self.due and self.now[0]):
+            self._keep()
+            self.start = t - max(self.now[0] - 1, 0) * self.period
+            self._wait()
 
     def buffer(self, t: float) -> None:
-        """A step starts at ``t``, where all blocks have their final values."""
+        """A step starts at ``t``."""
+        if not t <= self.reached:
+            self._begin(t)
         self.join(t)
-        if t >= self.due_from:
-            # the first instant of a diagram that is stepped without a run
-            self.block.act(t)
-            self.block.update(t)
-            self.block.sample(t, self.dt)
-        self.step_start, self.in_step, self.acted = t, True, False
-        self.first = self.block.acts_first
+        self.reached, self.stepping, self.open = t, True, self.at_end
+
+    def _begin(self, t: float) -> None:
+        """Sample at ``t``, from which the diagram is stepped without a run."""
+        block = self.block
+        if not self.reached > -math.inf:
+            if not block._engine.history:
+                begin_stepping(calling_simulation(block._engine))
+            else:
+                # the block was switched on, or has come into the diagram, in a run
+                self.join(t)
+                self.reached, self.open = -math.inf, True
+                block.update(t)
+                block.sample(t, 0.0)
+        if not t <= self.reached:
+            why = f"{name_of(block)} is not sampled at {t:.9g} s, from which the diagram goes on: "
+            refuse("pss", t, f"{why}Simulation.pss flies no {type(block).__name__}")
 
     def estimate(self, t: float) -> float:
+        self.join(t)
         return self.next() - t
 
     def detect(self, t: float) -> tuple[bool, bool, float]:
-        if not self.in_step or t <= self.step_start:
-            # a run begins, maybe after one that ended within a step
-            self.in_step = False
+        begins = not (self.stepping and self.reached < t)
+        if begins:
+            # a run, maybe after one that ended within a step
             self.join(t)
-            self.settle.wanted = True
-            self.block.run_begins()
-        if t < self.due_from:
-            # a step that was interrupted is repeated: the inputs are read again
-            self.settle.wanted |= self.at_latest(t)
+            self.open = False
+            if math.isnan(self.reached):
+                self.reached = -math.inf
+            self.block._run_begins()
+        due = t >= self.due
+        if self.depth and (due or (begins and self.at_latest(t))):
+            self.settling.depth = max(self.settling.depth, self.depth)
+        if not due or (self.open and t <= self.end):
             return _NOT_DETECTED
-        self.settle.wanted = True
-        if self.acted:
-            return _NOT_DETECTED
-        self.reached, time = t, self.next()
-        if t <= time + self.slack or not self.in_step:
+        time, self.end = self.next(), max(t, self.end)
+        if t <= time + self.slack:
             return True, True, _BEFORE_OTHERS
-        return True, False, (time - self.step_start) / (t - self.step_start)
+        return True, False, (time - self.reached) / (t - self.reached)
 
     def resolve(self, t: float) -> None:
-        self.block.act(self.reached)
+        self.open = True
 
     def to_checkpoint(self, prefix: str) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix)
-        now = [_plain(part) for part in self.now]
+        now = [_plain(part) for part in self.latest]
         json_data.update(period=self.period, start=self.start, now=now)
         return json_data, npz_data
 
@@ -218,12 +254,7 @@ class SampleClock(Schedule):
             refuse("T", self.period, f"{why}{self.period!r}")
         super().load_checkpoint(prefix, json_data, npz)
         self.start = json_data["start"]
-        self.now = tuple(_rebuilt(part) for part in json_data["now"])  # type: ignore[assignment]
-        self.before, self.ahead, self.shown = self.now[1], None, None
-        self.open = self.in_step = self.first = self.acted = False
-        self.counting = True
-        self.go_to(self.now[0])
-        self.since = self.next() - self.period
+        self._set(tuple(_rebuilt(part) for part in json_data["now"]))  # type: ignore[arg-type]
 
 
 def _plain(value: Any) -> Any:
@@ -251,10 +282,6 @@ class SampledBlock(Block):
     """Base of the blocks that act at a sample period T (s); see `SampledPlant`, `SampledLaw`."""
 
     linearizable = False
-    # index of the first instant at which it acts
-    first = 0
-    # whether it acts in the first evaluation of a step, where that is at the step's end
-    acts_first = False
     _warned = False
     _engine: Any = None
 
@@ -273,37 +300,47 @@ class SampledBlock(Block):
 
     def set_solver(self, Solver: Any, parent: Any, **solver_args: Any) -> None:
         """PathSim calls this when the block comes into a simulation, with that one's engine."""
-        self.acts_first = parent.is_explicit and not parent.is_adaptive
+        clock = self.clock
+        clock.leave()
         if parent is self._engine:
             return
-        self._engine, clock = parent, self.clock
-        clock.in_step, clock.since = False, clock.next() - clock.period
-        # its time may be an earlier one
-        clock.before = clock.now[1]
+        self._engine, clock.at_end = parent, parent.is_explicit and not parent.is_adaptive
         if self.events:
-            depth, settle = depth_in_subsystems(), _settling.setdefault(parent, Settling())
-            settle.depth, clock.settle = max(depth, settle.depth), settle
+            clock.depth = depth_in_subsystems()
+            clock.settling = _settling.setdefault(parent, Settling())
             others = [event for event in self.events if not isinstance(event, Settling)]
-            self.events = [*others, *depth * [settle]]
+            self.events = [*others, *clock.depth * [clock.settling]]
 
-    def run_begins(self) -> None:
+    def _run_begins(self) -> None:
         """Called when a run begins."""
 
-    def evaluated_first(self, t: float) -> None:
-        """Act in the first evaluation of a step where that is at the step's end."""
-        clock = self.clock
-        clock.first = False
-        # nothing is done where a step was interrupted before, and this is a look at the future
-        if t >= clock.due_from and t - clock.step_start <= 1.000001 * clock.dt:
-            clock.acted = True
-            self.act(t)
-
-    def act(self, t: float) -> None:
-        """The next instant is reached, and all others up to ``t``."""
+    def _act(self, t: float) -> tuple[int, Any, Any]:
+        """What holds from the next instant on, and from all others up to ``t``."""
         raise NotImplementedError
 
-    def warn_of_late(self, t: float) -> None:
-        """Warn once that a step to ``t`` ends after the instant."""
+    def update(self, t: float) -> None:
+        clock = self.clock
+        if clock.depth:
+            clock.settling.depth = clock.settling.asked = 0
+        if clock.open and clock.due <= t <= clock.end:
+            clock.ahead = self._act(t)
+            y = clock.ahead[1]
+        else:
+            if t <= clock.reached:
+                # the first stage: there are others, maybe at the step's end
+                clock.open = False
+            y = clock.now[1] if t < clock.due else clock.latest[1]
+        if y is not None:
+            show(self.outputs, y)
+
+    def sample(self, t: float, dt: float) -> None:
+        clock = self.clock
+        # a block that comes in within a step begins with the next one
+        if clock.stepping or not math.isnan(clock.reached):
+            clock.reached, clock.stepping, clock.open = t, False, False
+
+    def _late(self, t: float) -> int:
+        """Number of instants up to ``t``, of which there are several; warn once."""
         clock = self.clock
         if not self._warned:
             self._warned = True
@@ -312,6 +349,7 @@ class SampledBlock(Block):
                 f"step to {t:.9g} s jumps over a sample instant: time is kept, but the inputs "
                 "there are not known. Use a dt that divides T."
             )
+        return clock.count(t)
 
 
 class SampledPlant(SampledBlock):
@@ -326,25 +364,18 @@ class SampledPlant(SampledBlock):
         sample period in s
     """
 
-    first = 1
-
     def __len__(self) -> int:
         return 0
-
-    def reset(self) -> None:
-        super().reset()
-        self.clock.now = 1, [], None
 
     @property
     def samples(self) -> int:
         """Number of sample periods advanced since the start or the last reset."""
-        return self.clock.now[0] - 1
+        return max(self.clock.latest[0] - 1, 0)
 
     def start_from(self, y: list[float]) -> None:
         """Show these outputs at the latest instant."""
         clock = self.clock
         clock.now = clock.now[0], y, clock.now[2]
-        clock.before = clock.shown = y
         show(self.outputs, y)
 
     def latch(self, t: float) -> list[float]:
@@ -358,45 +389,30 @@ class SampledPlant(SampledBlock):
         """
         raise NotImplementedError
 
-    def act(self, t: float) -> None:
+    def _act(self, t: float) -> tuple[int, Any, Any]:
         clock = self.clock
         k, y, u = clock.now
-        i, last = k, k
-        if t > clock.due_from + 2 * clock.slack:
-            self.warn_of_late(t)
-            last = k - 1 + clock.count(t)
-        if clock.ahead is not None:
-            # acted in a step that was rejected or interrupted
-            i = max(clock.ahead[0], k)
-        while i <= last:
-            y = self.advance(i, u)
+        i, end = k, k + (1 if t <= clock.due + 2 * clock.slack else self._late(t))
+        if clock.ahead:
+            # a step that was rejected or interrupted has advanced it
+            i, y, _ = clock.ahead
+        while i < end:
+            if i:
+                y = self.advance(i, u)
             i += 1
-            clock.ahead = i, y
-
-    def update(self, t: float) -> None:
-        clock = self.clock
-        if clock.first:
-            self.evaluated_first(t)
-        y = clock.ahead[1] if clock.ahead and t >= clock.due_from else clock.outputs_at(t)
-        if y is not clock.shown:
-            clock.shown = y
-            show(self.outputs, y)
+            clock.ahead = i, y, None
+        return clock.ahead
 
     def sample(self, t: float, dt: float) -> None:
         clock = self.clock
-        clock.dt = dt
-        clock.in_step = clock.first = False
-        if clock.ahead is not None and t >= clock.due_from:
-            i, y = clock.ahead
-            u, clock.before = self.latch(t), clock.now[1]
-            clock.now = i, y, u
-            clock.ahead = None
-            clock.since = t - dt
-            clock.go_to(i)
-        elif clock.at_latest(t):
+        if clock.open and t >= clock.due:
+            i, y, _ = clock.ahead
+            clock.ahead = i, y, self.latch(t)
+        elif not (clock.stepping and clock.reached < t) and clock.at_latest(t):
             # a run begins at an instant: values may have been edited since the last one
             i, y, _ = clock.now
             clock.now = i, y, self.latch(t)
+        super().sample(t, dt)
 
 
 class SampledLaw(Parametric, SampledBlock):
@@ -425,7 +441,7 @@ class SampledLaw(Parametric, SampledBlock):
         """Inputs that must be connected, given the others that are."""
         return self.measured
 
-    def run_begins(self) -> None:
+    def _run_begins(self) -> None:
         """Warn once of inputs that must be connected and are not."""
         if self._wires_seen:
             return
@@ -463,52 +479,23 @@ class SampledLaw(Parametric, SampledBlock):
         """Outputs at an instant and the state after it, from the inputs and the state before."""
         raise NotImplementedError
 
-    def act(self, t: float) -> None:
-        clock = self.clock
-        clock.open = True
-        if t > clock.due_from + 2 * clock.slack:
-            self.warn_of_late(t)
-
-    def update(self, t: float) -> None:
-        clock = self.clock
-        if clock.first:
-            self.evaluated_first(t)
-        if clock.open and t >= clock.due_from:
-            u = values(self.inputs)
-            k, _, state = clock.now
+    def _act(self, t: float) -> tuple[int, Any, Any]:
+        clock, u = self.clock, values(self.inputs)
+        k, _, state = clock.now
+        y, state = self.law(u, state)
+        if t <= clock.due + 2 * clock.slack:
+            return k + 1, y, state
+        count = self._late(t)
+        for _ in range(1, count):
             y, state = self.law(u, state)
-            k += 1
-            if t > clock.due_from + 2 * clock.slack:
-                for _ in range(1, clock.count(t)):
-                    y, state = self.law(u, state)
-                    k += 1
-            clock.ahead, clock.shown = (k, y, state), y
-            show(self.outputs, y)
-        else:
-            y = clock.outputs_at(t)
-            if y is not clock.shown:
-                clock.shown = y
-                if y is not None:
-                    show(self.outputs, y)
-
-    def sample(self, t: float, dt: float) -> None:
-        clock = self.clock
-        clock.dt = dt
-        clock.in_step = clock.first = False
-        if clock.open and clock.ahead is not None and t >= clock.due_from:
-            clock.before = clock.now[1]
-            clock.now = clock.ahead
-            clock.open = False
-            clock.ahead = None
-            clock.since = t - dt
-            clock.go_to(clock.now[0])
+        return k + count, y, state
 
     def to_statespace(self, t: float) -> Matrices:
         """A, B, C, D of the continuous equivalent about the present state, without the hold.
 
         A LinearizationError tells where there is none, a warning where the law is at a limit.
         """
-        u, (k, _, state) = values(self.inputs), self.clock.now
+        u, (k, _, state) = values(self.inputs), self.clock.latest
         if k == 0:
             # bumpless: the first sample engages the law where it is
             _, state = self.law(u, state)

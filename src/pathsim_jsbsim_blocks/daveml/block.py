@@ -86,7 +86,7 @@ class DaveML(SampledLaw):
     def sample(self, t: float, dt: float) -> None:
         super().sample(t, dt)
         # without T it has no events, which tell that a run begins
-        self.run_begins()
+        self._run_begins()
 
     def update(self, t: float) -> None:
         self._time = t
