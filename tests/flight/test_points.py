@@ -62,10 +62,3 @@ def test_the_command_draws_them(tmp_path, capsys):
     assert figure.stat().st_size > 10_000
     assert "aerodynamic reference point" in capsys.readouterr().out
     assert main(["aircraft", "--points", str(figure)]) == 1
-
-
-def test_one_aircraft_by_its_name(capsys):
-    assert main(["aircraft", "c172p"]) == 0
-    assert capsys.readouterr().out.split() == ["c172p", "loads,", "1", "engine"]
-    assert main(["aircraft", "c172q"]) == 1
-    assert "'c172x'" in capsys.readouterr().err

@@ -35,28 +35,33 @@ if TYPE_CHECKING:
 
 
 @command(
-    "the aircraft models, and which of them load",
-    option("name", "one model only", nargs="?"),
+    "the aircraft models, and which of them load; of one, what it is and how it flies",
+    option("name", "a report of this model", nargs="?"),
     ROOT,
     CREATE,
     file("--points", "draw the points that the model names: CG, wheels, tanks, ...", "FIG"),
 )
-def aircraft(args: argparse.Namespace) -> None:
+def aircraft(args: argparse.Namespace) -> int:
     from ..flight import Airframe, aircraft_names
 
     if args.points is not None:
         _draw_points(args)
-        return
-    for name in aircraft_names(args.root) if args.name is None else [args.name]:
+        return 0
+    if args.name is not None:
+        from ..studies import aircraft_report
+
+        report = aircraft_report(args.name, args.root, created(args))
+        print(report)
+        return int(not report.loads)
+    for name in aircraft_names(args.root):
         try:
             airframe = Airframe(name, root=args.root, create=created(args))
             airframe.run_ic()
             n = airframe.engines
             print(f"{name:<14} loads, {n} engine{'' if n == 1 else 's'}")
         except BlocksError as error:
-            if args.name is not None:
-                raise
             print(f"{name:<14} {error}")
+    return 0
 
 
 def _draw_points(args: argparse.Namespace) -> None:

@@ -23,11 +23,14 @@ from .published import (
     thrust_vectoring,
     trim_envelope,
 )
+from .report import AircraftReport, aircraft_report
 from .sweep import trim_sweep
 
 __all__ = [
     "STUDIES",
+    "AircraftReport",
     "Study",
+    "aircraft_report",
     "alpha_elevator_chart",
     "aoa_vs_cas",
     "aoa_vs_cas_loading",

@@ -33,6 +33,12 @@ class Drift(NamedTuple):
         """Whether it is within 20 ft, 6 kt and 10 deg."""
         return abs(self.height) <= 20.0 and abs(self.speed) <= 6.0 and abs(self.bank) <= 10.0
 
+    def __str__(self) -> str:
+        return (
+            f"{'steady' if self.steady else 'not steady'}: after {self.duration:g} s with controls "
+            f"fixed {self.height:+.2f} ft, {self.speed:+.2f} kt, {self.bank:+.2f} deg of bank"
+        )
+
 
 # units of the fields of a condition and of a state, in the column order of study tables
 UNITS = {
@@ -174,11 +180,7 @@ class TrimState:
         if self.free:
             lines.append(f"  {'free':<13} {', '.join(self.free)}")
         if self.drift is not None:
-            lines.append(
-                f"  {'steady' if self.steady else 'not steady'}: after {self.drift.duration:g} s "
-                f"with controls fixed {self.drift.height:+.2f} ft, {self.drift.speed:+.2f} kt, "
-                f"{self.drift.bank:+.2f} deg of bank"
-            )
+            lines.append(f"  {self.drift}")
         return "\n".join(lines)
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:

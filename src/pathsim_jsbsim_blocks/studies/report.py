@@ -1,0 +1,272 @@
+"""The first look at a model: what it is, whether it flies, and what to do about its faults."""
+
+from __future__ import annotations
+
+import textwrap
+import warnings
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..errors import BlocksError, TrimError
+from ..flight import Airframe, TrimCondition, TrimState, has_retractable_gear
+from ..flight.engines import Engine
+from ..flight.fleet import GLIDES, TRIES, first_trim, prepared
+from ..flight.model_files import ModelFile
+from ..flight.trimming.effects import Effect, command_effects
+
+if TYPE_CHECKING:
+    from ..linear import Mode
+
+# the next step, by the subject of a fault or the reason of a failed trim
+_ADVICE = {
+    "model": "mend what it names; the logger pathsim_jsbsim_blocks.jsbsim has all that JSBSim says",
+    "properties": "pass the values that they have there, --create PROPERTY=VALUE (create={...})",
+    "fuel": "fill the tanks: --set PROPERTY=LB (setup), or fuel=[...] of the condition",
+    "fuel valve": "find the model's cocks, pathsim-jsbsim properties, and open them: --set (setup)",
+    "commands": "see what moves the surfaces, pathsim-jsbsim properties NAME fcs, and command that",
+    "no effect": "see the commands above",
+    "mixture": "set that mixture: --set (setup)",
+    "rotorcraft": "start it with mode='none', and fly it with a controller of your own",
+    "aerodynamics": "start it with mode='none'",
+    "trim": "try other conditions: pathsim-jsbsim trim NAME --altitude FT --speed KCAS",
+    "hands off": "fly it with gains designed for it, or change its load (fuel, payload)",
+    "linear model": "use the algebraic one (--method algebraic), or another airspeed",
+}
+
+# modes that only integrate, or are not of the airframe
+_OTHERS = ("altitude", "heading", "position", "engine")
+
+
+class Fault(NamedTuple):
+    """What is wrong with a model, and the next step."""
+
+    subject: str
+    reason: str
+    advice: str
+
+
+@dataclass(frozen=True)
+class AircraftReport:
+    """The first look at a model, as of `aircraft_report`; its text is one screen.
+
+    Attributes
+    ----------
+    aircraft : str
+        the model's name
+    faults : tuple[Fault, ...]
+        each with ``subject``, ``reason`` and ``advice``, the next step. Subjects: "model" (it does
+        not load), "properties", "fuel", "commands", "trim", "hands off" and "linear model"
+    loads, retracts : bool
+        whether it loads and initialises (if not, all else is empty), whether its gear retracts
+    missing, sealed : tuple[str, ...]
+        properties that it expects from outside, 0 in the rest; sockets and files, closed to it
+    engines, tanks : tuple[Engine, ...], tuple[float, ...]
+        ``number``, ``type``, ``thruster`` and ``tanks`` of each engine; contents in lb
+    condition : TrimCondition or None
+        level flight, or the glide of a glider, for the rest; tanks that were empty are half full
+    effects : tuple[Effect, ...]
+        of "throttle", "pitch", "roll" and "yaw": ``size``, the ``acceleration`` per 1 of the
+        command (udot in ft/s2, qdot, pdot, rdot in rad/s2), and whether it ``moves`` any
+    trim : TrimState or None
+        with its ``drift`` after 10 s with controls fixed
+    method, modes : str, tuple[Mode, ...]
+        the linear model with which gains can be designed, "flown", else "algebraic", and its modes
+    """
+
+    aircraft: str
+    faults: tuple[Fault, ...]
+    loads: bool = False
+    retracts: bool = False
+    missing: tuple[str, ...] = ()
+    sealed: tuple[str, ...] = ()
+    engines: tuple[Engine, ...] = ()
+    tanks: tuple[float, ...] = ()
+    condition: TrimCondition | None = None
+    effects: tuple[Effect, ...] = ()
+    trim: TrimState | None = None
+    method: str = ""
+    modes: tuple[Mode, ...] = ()
+
+    def __str__(self) -> str:
+        lines = [f"{self.aircraft} {'loads' if self.loads else 'does not load'}"]
+        for name, texts in self._rows().items() if self.loads else ():
+            lines += _wrapped(f"  {name:<11}", "; ".join(texts) or "none")
+        for fault in self.faults:
+            lines += _wrapped(f"{fault.subject}: ", fault.reason)
+            lines += _wrapped("  next: ", fault.advice)
+        return "\n".join(lines)
+
+    def _rows(self) -> dict[str, list[str]]:
+        kinds = Counter(f"{engine.type}, {engine.thruster}" for engine in self.engines)
+        states = [self.trim] if self.trim else []
+        option = " --method algebraic" if self.method == "algebraic" else ""
+        design = f"pathsim-jsbsim gains {self.aircraft}{option} designs them"
+        return {
+            "engines": [f"{number} {kind}" for kind, number in kinds.items()],
+            "tanks": [f"{contents:.4g} lb" for contents in self.tanks],
+            "gear": ["retracts" if self.retracts else "does not retract"],
+            "sealed": [*self.sealed],
+            "at": [f"{c.altitude:g} ft, {c.speed:g} KCAS" for c in [self.condition] if c],
+            "commands": [_of_effect(effect) for effect in self.effects],
+            "trim": [
+                f"alpha {state.alpha:.2f} deg, path {round(state.gamma, 2) + 0.0:g} deg, "
+                f"throttle {max(state.throttle, default=0.0):.2f}"
+                for state in states
+            ],
+            "hands off": [str(state.drift) for state in states],
+            "modes": [_of_mode(mode) for mode in self.modes if mode.name not in _OTHERS],
+            "gains": [design] if self.method else [],
+        }
+
+
+def _acts(effect: Effect) -> bool:
+    """Whether a command changes the acceleration that it is for, by more than rounding."""
+    return effect.moves and not abs(effect.size) < 1e-6
+
+
+def _of_effect(effect: Effect) -> str:
+    unit = "ft/s2" if effect.command == "throttle" else "rad/s2"
+    size = f"{effect.acceleration} {effect.size:+.3g} {unit}"
+    return f"{effect.command} {size if _acts(effect) else 'none'}"
+
+
+def _of_mode(mode: Mode) -> str:
+    if mode.oscillatory:
+        return f"{mode.name} {mode.frequency:.3g} rad/s, damping {mode.damping:.2f}"
+    stable = mode.pole.real < 0.0
+    time = mode.time_to_half if stable else mode.time_to_double
+    return f"{mode.name} {'halves' if stable else 'doubles'} in {time:.3g} s"
+
+
+def _wrapped(head: str, text: str) -> list[str]:
+    return textwrap.wrap(head + text, 100, subsequent_indent=" " * len(head))
+
+
+def aircraft_report(
+    aircraft: str, root: str | None = None, create: Mapping[str, float] | str | None = None
+) -> AircraftReport:
+    """What a model is, whether it loads, trims and stays, and what to do about its faults.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the model
+    root : str, optional
+        JSBSim root directory; default is the one shipped with jsbsim
+    create : dict or "missing", optional
+        as of `Airframe`; what else the model lacks is created as 0
+
+    Raises
+    ------
+    AircraftError
+        if there is no such model; whatever is wrong with one is in the report
+    """
+    file = ModelFile(aircraft, root)
+    with warnings.catch_warnings():
+        # zeros, kinks, a gear that is down: the report has what matters
+        warnings.simplefilter("ignore")
+        try:
+            airframe, clean = prepared(aircraft, root, create)
+            model = {"aircraft": file.aircraft, "root": root, "create": airframe.created}
+            tanks = tuple(map(airframe.fdm.get_property_value, airframe.tanks))
+            flown = _flown(model, clean, airframe.engines > 0)
+        except BlocksError as error:
+            lacking = getattr(error, "missing", ())
+            return AircraftReport(file.aircraft, (_fault("model", str(error)),), missing=lacking)
+    values = create if isinstance(create, Mapping) else {}
+    missing = tuple(name for name in airframe.created if name not in values)
+    if missing:
+        fault = _fault("properties", f"it lacks {', '.join(missing)}: 0 in this report")
+        flown["faults"] = (fault, *flown["faults"])
+    return AircraftReport(
+        file.aircraft,
+        loads=True,
+        retracts=has_retractable_gear(aircraft, root),
+        missing=missing,
+        sealed=tuple(_sealed(file)),
+        engines=airframe.engine_list,
+        tanks=tanks,
+        **flown,
+    )
+
+
+def _fault(subject: str, reason: str, advice: str = "") -> Fault:
+    return Fault(subject, reason, _ADVICE.get(advice, _ADVICE[subject]))
+
+
+def _sealed(file: ModelFile) -> Iterator[str]:
+    """Sockets and files in the inputs and outputs of a model."""
+    for element in file.parsed():
+        name = element.get("file") or element.get("name")
+        if element.tag in ("input", "output") and (port := element.get("port")):
+            yield f"{element.tag} by port {port}"
+        elif element.tag == "output" and name and element.get("type") != "NONE":
+            yield f"output to {name}"
+
+
+def _flown(model: Mapping[str, Any], clean: TrimCondition, powered: bool) -> dict[str, Any]:
+    """Condition, effects, trim, modes and faults; tanks that engines miss are half full."""
+    mode, tries = ("full", TRIES) if powered else ("glide", GLIDES)
+    try:
+        flight = first_trim(**model, tries=tries, fly=10.0, mode=mode, setup=clean.setup)
+    except TrimError as error:
+        if error.reason == "fuel" and not error.properties.keys() & clean.setup.keys():
+            half = _half_full(model, error.properties)
+            found = _flown(model, replace(clean, setup={**clean.setup, **half}), powered)
+            fault = _fault("fuel", f"engines need fuel in empty tanks; in this report setup={half}")
+            return {**found, "faults": (fault, *found["faults"])}
+        found = _moved(model, error.condition)
+        why = str(error).partition(f"{error.condition}: ")[2] or str(error)
+        found["faults"] += (_fault("trim", why, error.reason),)
+        return found
+    except BlocksError as error:
+        return {"faults": (_fault("trim", str(error)),)}
+    found = {**_moved(model, flight.condition), "trim": flight.trim}
+    if not flight.trim.steady:
+        found["faults"] += (_fault("hands off", str(flight.trim.drift)),)
+    method, modes, faults = _modes(model, flight.condition)
+    return {**found, "method": method, "modes": modes, "faults": (*found["faults"], *faults)}
+
+
+def _half_full(model: Mapping[str, Any], tanks: Iterable[str]) -> dict[str, float]:
+    """Contents of tanks that are half full, in lb: JSBSim limits what is written to what fits."""
+    fdm, contents = Airframe(**model).fdm, dict[str, float]()
+    for tank in tanks:
+        fdm[tank] = 1e9
+        contents[tank] = round(0.5 * fdm[tank], 2)
+    return contents
+
+
+def _moved(model: Mapping[str, Any], condition: TrimCondition) -> dict[str, Any]:
+    """Condition, effects of the commands, and a fault if some have none."""
+    try:
+        effects = tuple(command_effects(Airframe(**model), condition))
+    except BlocksError as error:
+        return {"condition": condition, "faults": (_fault("commands", str(error), "trim"),)}
+    own = " (the model writes it itself)"
+    idle = [
+        f"{effect.properties[0]} gives no {effect.acceleration}{own * effect.written_by_model}"
+        for effect in effects
+        if not _acts(effect)
+    ]
+    faults = (_fault("commands", "; ".join(idle)),) if idle else ()
+    return {"condition": condition, "effects": effects, "faults": faults}
+
+
+def _modes(
+    model: Mapping[str, Any], condition: TrimCondition
+) -> tuple[str, tuple[Mode, ...], tuple[Fault, ...]]:
+    """The method that has a linear model, its modes, and the fault of the flown one."""
+    from ..design.designed import linear_model
+    from ..flight import Aircraft
+
+    faults = tuple[Fault, ...]()
+    for method in ("flown", "algebraic"):
+        try:
+            plane = Aircraft(**model, condition=condition)
+            return method, tuple(linear_model(plane, method).modes()), faults
+        except BlocksError as error:
+            faults = faults or (_fault("linear model", str(error)),)
+    return "", (), faults

@@ -1,0 +1,144 @@
+"""The first look at a model: of all that are bundled, and of models as other people have them."""
+
+import math
+
+import pytest
+from models_from_outside import (
+    before,
+    changed,
+    electric_single,
+    electric_twin,
+    lever_writes_throttle,
+    without_contents,
+    without_pitch_command,
+)
+
+from pathsim_jsbsim_blocks import AircraftError
+from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.flight import aircraft_names
+from pathsim_jsbsim_blocks.studies import aircraft_report
+
+
+def subjects(report):
+    return [fault.subject for fault in report.faults]
+
+
+def on_one_screen(report):
+    lines = str(report).splitlines()
+    return len(lines) <= 40 and max(map(len, lines)) <= 100
+
+
+def test_a_good_model_has_no_fault():
+    report = aircraft_report("c172p")
+    assert report.loads
+    assert report.faults == ()
+    assert [(e.type, e.thruster, e.tanks) for e in report.engines] == [
+        ("piston", "propeller", (0, 1))
+    ]
+    # as its file says
+    assert report.tanks == (100.0, 100.0)
+    assert not report.retracts
+    assert not report.missing
+    assert not report.sealed
+    assert report.trim.steady
+    assert report.method == "flown"
+    assert {"short period", "phugoid", "Dutch roll"} <= {mode.name for mode in report.modes}
+    # forward by the throttle; nose down, right and left by positive commands (docs/conventions.md)
+    signs = {effect.command: math.copysign(1.0, effect.size) for effect in report.effects}
+    assert signs == {"throttle": 1.0, "pitch": -1.0, "roll": 1.0, "yaw": -1.0}
+    assert on_one_screen(report)
+
+
+def test_a_ball_has_no_effect_trim_or_gains(capsys):
+    report = aircraft_report("ball")
+    assert report.loads
+    assert report.engines == ()
+    assert report.trim is None
+    assert [effect.moves for effect in report.effects] == [False] * 3
+    assert subjects(report) == ["commands", "trim"]
+    assert report.method == ""
+    assert main(["aircraft", "ball"]) == 0
+    assert capsys.readouterr().out == f"{report}\n"
+    assert on_one_screen(report)
+
+
+def test_a_model_that_does_not_load_has_a_report(tmp_path, capsys):
+    report = aircraft_report("blank")
+    assert not report.loads
+    assert subjects(report) == ["model"]
+    root = changed(tmp_path, "c172x", ("</fdm_config>", ""))
+    assert subjects(aircraft_report("c172x", root)) == ["model"]
+    assert main(["aircraft", "blank"]) == 1
+    assert capsys.readouterr().out == f"{report}\n"
+    assert main(["aircraft", "c172q"]) == 1
+    assert "'c172x'" in capsys.readouterr().err
+    with pytest.raises(AircraftError) as refused:
+        aircraft_report("c172q")
+    assert "c172x" in refused.value.nearest
+
+
+def test_empty_tanks_are_a_fault_and_the_rest_is_of_half_full_ones(tmp_path):
+    report = aircraft_report("c172x", without_contents(tmp_path))
+    assert report.tanks == (0.0, 0.0)
+    assert subjects(report)[0] == "fuel"
+    # of 130 lb, as the file says
+    assert report.condition.setup["propulsion/tank[0]/contents-lbs"] == 65.0
+    assert report.trim.steady
+
+
+def test_properties_from_outside_are_named_and_the_rest_is_with_zeros(tmp_path):
+    force = (
+        '<axis name="SIDE"><function name="aero/x"><property>outside/a</property></function></axis>'
+    )
+    root = changed(tmp_path, "c172p", before("axis", force))
+    report = aircraft_report("c172p", root)
+    assert report.missing == ("outside/a",)
+    assert subjects(report) == ["properties"]
+    assert report.trim.steady
+    report = aircraft_report("c172p", root, create={"outside/a": 0.0})
+    assert report.missing == ()
+    assert report.faults == ()
+
+
+def test_sockets_and_files_that_are_closed_to_it(tmp_path):
+    elements = (
+        '<output name="127.0.0.1" type="SOCKET" protocol="UDP" port="5999" rate="1"/>'
+        '<output name="log.csv" type="CSV" rate="1"/><input port="5998"/>'
+    )
+    report = aircraft_report(
+        "ball", changed(tmp_path, "ball", ("</fdm_config>", elements + "</fdm_config>"))
+    )
+    ports = [text for text in report.sealed if "599" in text]
+    assert len(ports) == 2
+    assert any("log.csv" in text for text in report.sealed)
+
+
+def test_commands_without_effect_are_faults(tmp_path):
+    report = aircraft_report("c172x", lever_writes_throttle(tmp_path / "a"))
+    throttle = report.effects[0]
+    assert throttle.written_by_model
+    assert not throttle.moves
+    assert subjects(report) == ["commands", "trim"]
+    report = aircraft_report("c172x", without_pitch_command(tmp_path / "b"))
+    assert [e.command for e in report.effects if not e.moves] == ["pitch"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("make", [electric_single, electric_twin])
+def test_electric_aircraft_trim_and_stay(make, tmp_path):
+    report = aircraft_report("c310" if make is electric_twin else "c172x", make(tmp_path))
+    assert {engine.type for engine in report.engines} == {"electric"}
+    assert report.trim.steady
+    assert report.method
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("aircraft", aircraft_names())
+def test_each_bundled_model_has_a_report(aircraft):
+    report = aircraft_report(aircraft)
+    assert on_one_screen(report)
+    assert report.loads == (aircraft not in ("blank",))
+    assert (report.trim is None) == ("trim" in subjects(report) or not report.loads)
+    if report.trim is not None:
+        assert report.trim.steady == ("hands off" not in subjects(report))
+        assert report.method or "linear model" in subjects(report)
