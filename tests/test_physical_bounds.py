@@ -92,7 +92,7 @@ def test_headings_are_reduced_to_a_turn(angle):
             built = block()
             setattr(built, name, angle)
             assert getattr(built, name) == angle
-            reduced = getattr(built.checked, name)
+            reduced = getattr(built._checked, name)
             assert 0.0 <= reduced < 360.0
             assert math.cos(math.radians(reduced - angle)) == pytest.approx(1.0, abs=1e-12)
 

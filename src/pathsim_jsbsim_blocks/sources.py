@@ -34,8 +34,8 @@ class _EdgeSource(Parametric):
     def __len__(self) -> int:
         return 0
 
-    def begin(self) -> None:
-        super().begin()
+    def _begin(self) -> None:
+        super()._begin()
         self.edges = ScheduleList([], func_act=self._at_edge)
         self.events = [self.edges]
 
@@ -75,7 +75,7 @@ class _StepsSource(_EdgeSource):
     def _edge_times(self) -> list[float]:
         durations, levels = zip(*self._pulses(), strict=True)
         self._levels = [*levels, 0.0]
-        return [self.checked.start + sum(durations[:i]) for i in range(len(durations) + 1)]
+        return [self._checked.start + sum(durations[:i]) for i in range(len(durations) + 1)]
 
     def _at_edge(self, t: float) -> None:
         super()._at_edge(t)
@@ -112,7 +112,7 @@ class DoubletSource(_StepsSource):
     polarity: float = parameter(1, polarity_of)
 
     def _pulses(self) -> list[tuple[float, float]]:
-        c = self.checked
+        c = self._checked
         level = c.polarity * c.amplitude
         return [(c.width, level), *([(c.gap, 0.0)] if c.gap else []), (c.width, -level)]
 
@@ -150,7 +150,7 @@ class MultistepSource(_StepsSource):
     signs: Sequence[float] = parameter((1, -1, 1, -1), numbers)
 
     def _pulses(self) -> list[tuple[float, float]]:
-        c = self.checked
+        c = self._checked
         if len(c.widths) != len(c.signs) or not c.widths:
             lengths = f"{len(c.widths)} and {len(c.signs)}"
             why = f"widths and signs must have the same length, at least 1, not {lengths}"
@@ -190,7 +190,7 @@ class RampSource(_EdgeSource):
     hold: float = parameter(0.0, number, low=0.0)
 
     def _edge_times(self) -> list[float]:
-        c = self.checked
+        c = self._checked
         top = c.start + c.rise_time
         return [c.start, top, top + c.hold] if c.hold else [c.start, top]
 

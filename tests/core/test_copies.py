@@ -97,6 +97,6 @@ def test_a_copy_has_parameters_of_its_own(by):
     block = PitchHold("c172p", theta_ref=3.0, T=T)
     other = by(block)
     other.set(theta_ref=-2.0, gains="737")
-    assert (block.theta_ref, block.checked.theta_ref) == (3.0, 3.0)
+    assert (block.theta_ref, block._checked.theta_ref) == (3.0, 3.0)
     fresh = PitchHold("737", theta_ref=-2.0, T=T)
     assert flown(other, 1.0)[0].tolist() == flown(fresh, 1.0)[0].tolist()

@@ -29,7 +29,7 @@ class Gain(Parametric):
     label: str = "a"
 
     def build(self):
-        c = self.checked
+        c = self._checked
         if c.factor * len(c.weights) > 10.0:
             raise ParameterError("too much", parameter="factor", value=self.factor)
         self.total = c.factor * sum(c.weights)
@@ -70,8 +70,8 @@ def test_attributes_keep_what_was_given_and_the_checked_values_are_beside_them()
     block = Gain(2, weights=given)
     assert block.weights is given
     assert (repr(block.factor), block.label) == ("2", "a")
-    assert type(block.checked.factor) is float
-    assert block.checked.weights == [1.0, 2.0, 3.0]
+    assert type(block._checked.factor) is float
+    assert block._checked.weights == [1.0, 2.0, 3.0]
     assert block.total == 12.0
     assert repr(Gain(0.5, label="c")) == "Gain(factor=0.5, label='c')"
 

@@ -20,7 +20,7 @@ class NamedFunction(Parametric, Function):
 
     function: Callable[..., Any]
 
-    def begin(self) -> None:
+    def _begin(self) -> None:
         # past the constructors of pathsim-flight's classes, which take no function
         Function.__init__(self, self.function)
         # Function's own operator gives a tuple, which PathSim cannot differentiate

@@ -55,15 +55,15 @@ def _keywords(cls: type) -> list[str]:
 class Parametric(Block):
     """Base of all blocks here: parameters are fields, and ports and parameters go by their names.
 
-    A subclass is a dataclass, ``@dataclass(eq=False)``. It may implement `begin`, which makes
+    A subclass is a dataclass, ``@dataclass(eq=False)``. It may implement `_begin`, which makes
     PathSim's block, and `build`, which puts the parameters into effect: it finds their checked
-    values in ``self.checked``. A parameter that is set later builds the block anew; where a value
+    values in ``self._checked``. A parameter that is set later builds the block anew; where a value
     is refused, the block stays as it was.
     """
 
     # class variables, without annotations: they are not fields
     _built = False
-    checked = SimpleNamespace()
+    _checked = SimpleNamespace()
 
     def __new__(cls, *arguments: Any, **keywords: Any) -> Any:
         known = _keywords(cls)  # type: ignore[arg-type]  # mypy: no hash without eq
@@ -71,25 +71,25 @@ class Parametric(Block):
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        self.begin()
+        self._begin()
         for side in ("inputs", "outputs"):
             register = getattr(self, side)
             if not isinstance(register, NamedRegister):
                 setattr(self, side, NamedRegister(len(register), port_names(register)))
-        self.configure()
+        self._configure()
 
-    def begin(self) -> None:
+    def _begin(self) -> None:
         """Make PathSim's block, once the parameters are stored."""
         super().__init__()
 
     def build(self) -> None:
         """Put the parameters into effect."""
 
-    def configure(self) -> None:
+    def _configure(self) -> None:
         """Check the parameters and put them into effect."""
         checks = [(f.name, f.metadata.get("check")) for f in dataclasses.fields(self)]
         values = {name: check(name, getattr(self, name)) for name, check in checks if check}
-        self.checked = SimpleNamespace(**values)
+        self._checked = SimpleNamespace(**values)
         self.build()
         self._built = True
 
@@ -102,7 +102,7 @@ class Parametric(Block):
 
         def __setattr__(self, name: str, value: Any) -> None:
             if name in self.__dataclass_fields__ and self._built:
-                self.change({name: value})
+                self._change({name: value})
             else:
                 object.__setattr__(self, name, value)
 
@@ -119,17 +119,17 @@ class Parametric(Block):
         """
         known = dict.fromkeys([*self.info()["parameters"], *self.__dataclass_fields__])
         refuse_unknown(type(self).__name__, values, known, port_names(self.inputs))
-        self.change(values)
+        self._change(values)
 
-    def change(self, values: dict[str, Any]) -> None:
+    def _change(self, values: dict[str, Any]) -> None:
         """Let parameters that are set take effect; take them back if they are refused."""
         before = {name: getattr(self, name) for name in values}
         self.__dict__.update(values)
         try:
-            self.configure()
+            self._configure()
         except Exception:
             self.__dict__.update(before)
-            self.configure()
+            self._configure()
             raise
 
     def __repr__(self) -> str:

@@ -431,13 +431,13 @@ class SampledLaw(Parametric, SampledBlock):
     commands: ClassVar[Mapping[str, str]] = {}
     _wires_seen = False
 
-    def begin(self) -> None:
+    def _begin(self) -> None:
         SampledBlock.__init__(self, self.T)
         names = dict(self.input_port_labels) if self.input_port_labels else None
         self.inputs = WiredRegister(len(self.inputs), names)
         self.clock.now = 0, None, self.initial_state()
 
-    def needed(self) -> tuple[str, ...]:
+    def _needed(self) -> tuple[str, ...]:
         """Inputs that must be connected, given the others that are."""
         return self.measured
 
@@ -446,14 +446,14 @@ class SampledLaw(Parametric, SampledBlock):
         if self._wires_seen:
             return
         self._wires_seen = True
-        missing = [name for name in self.needed() if name not in self.inputs.wired]
+        missing = [name for name in self._needed() if name not in self.inputs.wired]
         if missing:
             warn_user(
                 f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}"
             )
 
-    def configure(self) -> None:
-        super().configure()
+    def _configure(self) -> None:
+        super()._configure()
         present = self.clock.period
         if self.events and (asked := _period(self.T)) != present:
             # it acts at the next reset, and is tried now
@@ -469,7 +469,7 @@ class SampledLaw(Parametric, SampledBlock):
         super().reset()
         self.clock.now = 0, None, self.initial_state()
         if self.clock.period != period:
-            self.configure()
+            self._configure()
 
     def initial_state(self) -> Any:
         """State before the first sample: a number, or a (nested, named) tuple of numbers."""
@@ -503,7 +503,7 @@ class SampledLaw(Parametric, SampledBlock):
         model = continuous_equivalent(self.law, u, state, self.clock.period, name)
         inputs, outputs = port_names(self.inputs), port_names(self.outputs)
         # a reference has a parameter of its name
-        references = {n: i for n, i in inputs.items() if n in vars(self.checked)}
+        references = {n: i for n, i in inputs.items() if n in vars(self._checked)}
         commands = {n: outputs[n] for n in self.commands or [*outputs][:1]}
         with warnings.catch_warnings():
             # what a block warns of once, its copy would here

@@ -45,8 +45,8 @@ class AirDataBlock(NamedFunction):
     altitude_kind: AltitudeKind = parameter("geometric", one_of, choices=ALTITUDE_KINDS)
     out_of_range: OutOfRange = parameter("extrapolate", one_of, choices=OUT_OF_RANGE)
 
-    def begin(self) -> None:
-        super().begin()
+    def _begin(self) -> None:
+        super()._begin()
         self._warned = False
 
     def build(self) -> None:

@@ -176,5 +176,5 @@ class GeodeticToNED(NamedFunction):
     output_port_labels = {"north": 0, "east": 1, "down": 2}
 
     def function(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
-        c = self.checked
+        c = self._checked
         return geodetic_to_ned(lat, lon, h, c.lat0, c.lon0, c.h0)

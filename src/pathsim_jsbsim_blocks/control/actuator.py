@@ -88,8 +88,8 @@ class Actuator(SampledLaw):
     output_port_labels = {"y": 0, "rate": 1, "sat": 2}
 
     def build(self) -> None:
-        omega, zeta = self.checked.frequency, self.checked.damping
-        self._max_rate = self.checked.max_rate
+        omega, zeta = self._checked.frequency, self._checked.damping
+        self._max_rate = self._checked.max_rate
         self._low, self._high = check_range(self.low, self.high)
         self._initial = number("initial", self.initial, low=self._low, high=self._high)
         # of the distance from the command, and of the rate

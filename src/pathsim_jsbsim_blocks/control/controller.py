@@ -156,7 +156,7 @@ class Hold(SampledLaw):
 
     def lateral_loops(self) -> tuple[HeadingLoop, ReferenceLoop]:
         """The loops from the heading to the bank, and from there to the ailerons."""
-        T, c = self.clock.period, self.checked
+        T, c = self.clock.period, self._checked
         heading, roll = self.gains_of("heading", "roll")
         loops = (
             HeadingLoop(T, heading, c.bank_max),
@@ -178,7 +178,7 @@ class Hold(SampledLaw):
                     "makes the port the reference itself",
                     *(value, unit, port, measured + value, unit),
                 )
-        return getattr(self.checked, port), value
+        return getattr(self._checked, port), value
 
     def _warn_once(self, about: str, text: str, *values: Any) -> None:
         # a law asks at each sample: the text is made once

@@ -69,7 +69,7 @@ class Sensor(SampledLaw):
     output_port_labels = {"y": 0}
 
     def build(self) -> None:
-        c = self.checked
+        c = self._checked
         self._bias, self._sigma, self._quantum = c.bias, c.noise, c.quantum
         self._noise = WhiteNoise(c.seed, 1)
         # x[k+1] = a x[k] + b u[k] + c u[k+1]

@@ -51,11 +51,11 @@ class DaveML(SampledLaw):
     file: str = "f16_control.dml"
     T: float = 0.0
 
-    def begin(self) -> None:
+    def _begin(self) -> None:
         # without T the clock stands still
         T = self.T
         self.T = number("T", T, low=0.0) or 1.0
-        super().begin()
+        super()._begin()
         self.T = T
         if not T:
             self.events = []

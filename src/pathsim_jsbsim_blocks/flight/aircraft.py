@@ -238,7 +238,7 @@ class Aircraft(FlightBlock):
         inputs = [Channel(port, (name,), 1.0, "norm") for port, name in SURFACES.items()]
         engines = tuple(throttles(self.airframe.engines))
         outputs = [port_channel(port) for port in OUTPUTS]
-        for port in self.further(self.outputs):
+        for port in self._further(self.outputs):
             names = behind(port, SHORT_OUTPUTS)
             outputs.append(Channel(port, names, 1.0, unit_of(names[0])))
         return [*inputs, Channel("throttle", engines, 1.0, "norm")], outputs
@@ -269,7 +269,7 @@ class Aircraft(FlightBlock):
 
     def _connect(self) -> tuple[Write, Read]:
         writes = {**SURFACES, **WIND}
-        self.check_properties(
+        self._check_properties(
             {self.airframe.canonical(name): port for port, name in writes.items()}
         )
         # of elevator, aileron, rudder and throttle over their limits
@@ -287,7 +287,7 @@ class Aircraft(FlightBlock):
         ]
         added = [
             (self.input_port_labels[name], behind(name, SHORT_INPUTS))
-            for name in self.further(self.inputs)
+            for name in self._further(self.inputs)
         ]
         # of single engines; port 0 is the elevator
         own = {canonical(names[0]): port for port, names in added}
@@ -347,7 +347,7 @@ class Aircraft(FlightBlock):
     def _reader(self, excess: list[float]) -> Read:
         ports = list(OUTPUTS.values())
         names = [port.property for port in ports if port.property is not None]
-        names += [behind(name, SHORT_OUTPUTS)[0] for name in self.further(self.outputs)]
+        names += [behind(name, SHORT_OUTPUTS)[0] for name in self._further(self.outputs)]
         read_all = self.airframe.reader_of(names)
         first_excess, psi = ports.index(EXCESS), list(OUTPUTS).index("psi")
         scaled = [(i, port.factor) for i, port in enumerate(ports) if port.factor != 1.0]

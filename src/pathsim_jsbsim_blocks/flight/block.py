@@ -104,7 +104,7 @@ class FlightBlock(Parametric, SampledPlant):
     # that a parameter acts at the next reset
     _warned_of_reset = False
 
-    def begin(self) -> None:
+    def _begin(self) -> None:
         SampledPlant.__init__(self, self.T)
         if self.flightgear is None:
             self.flightgear = next_address()
@@ -117,33 +117,33 @@ class FlightBlock(Parametric, SampledPlant):
 
     def build(self) -> None:
         if not self._built:
-            self.take_off(self.load())
+            self.take_off(self._load())
             return
-        self.check_properties()
+        self._check_properties()
         if self._flight_key() != self._flying:
             # this aircraft flies on; another one tries what acts at the next reset
             from_trim.twin(self)
 
-    def change(self, values: dict[str, Any]) -> None:
-        super().change(values)
+    def _change(self, values: dict[str, Any]) -> None:
+        super()._change(values)
         if not self._warned_of_reset and self._flight_key() != self._flying:
             self._warned_of_reset = True
             asked = ", ".join(f"{name_of(self)}.{n} = {x!r}" for n, x in values.items())
             warn_user(f"{asked} acts at the next reset: sim.reset() or sim.run(..., reset=True)")
 
-    def further(self, ports: Register) -> list[str]:
+    def _further(self, ports: Register) -> list[str]:
         """Names of the inputs or outputs after the fixed ones."""
         kind: Any = type(self)
         fixed = kind.input_port_labels if ports is self.inputs else kind.output_port_labels
         return list(port_names(ports))[len(fixed or ()) :]
 
-    def check_properties(self, taken: Mapping[str, str] = {}) -> None:
+    def _check_properties(self, taken: Mapping[str, str] = {}) -> None:
         """Refuse properties that cannot be ports; ``taken`` are those that fixed ports write."""
         for parameter, names, ports, short, known in (
             ("input_properties", self.input_properties, self.inputs, self._short[0], taken),
             ("output_properties", self.output_properties, self.outputs, self._short[1], {}),
         ):
-            check_ports(parameter, names, self.further(ports), self.airframe, short, known)
+            check_ports(parameter, names, self._further(ports), self.airframe, short, known)
 
     def _model(self) -> str:
         """Name of the model that the block's parameters ask for."""
@@ -298,10 +298,10 @@ class FlightBlock(Parametric, SampledPlant):
         """Functions that write the inputs to a fresh, trimmed airframe and read its outputs."""
         raise NotImplementedError
 
-    def load(self) -> list[float]:
+    def _load(self) -> list[float]:
         """Load, initialise and trim an aircraft: its outputs at the start of its flight."""
-        self._substeps = self.checked.substeps
-        dt = self.checked.T / self._substeps
+        self._substeps = self._checked.substeps
+        dt = self._checked.T / self._substeps
         number("T / substeps", dt, low=SHORTEST_PERIOD, high=_LONGEST_STEP)
         condition = self._condition()
         self._flying = self._flight_key()
@@ -329,7 +329,7 @@ class FlightBlock(Parametric, SampledPlant):
         self._step, self._time_zero = dt, fdm.get_sim_time()
         # what `advance` uses, in one look-up
         numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
-        limits = (getattr(self.checked, name, inf) for name in ("sink_max", "scrape_max"))
+        limits = (getattr(self._checked, name, inf) for name in ("sink_max", "scrape_max"))
         contact = GroundContact(self.airframe, *limits)
         watched = speed, height, nz, contact.reach, contact.broken
         self._bound = fdm.run, fdm.get_sim_time, write, read, *watched, numbers
@@ -390,7 +390,7 @@ class FlightBlock(Parametric, SampledPlant):
         """
         before = dict(self.__dict__)
         try:
-            y = self.load()
+            y = self._load()
         except BaseException:
             self.__dict__.update(before)
             raise

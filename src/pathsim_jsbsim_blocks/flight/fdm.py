@@ -190,7 +190,7 @@ class JSBSimFDM(FlightBlock):
         return [name for name, trimmed, now in ports if abs(trimmed) > _ROUNDING and not now]
 
     def _connect(self) -> tuple[Write, Read]:
-        self.check_properties()
+        self._check_properties()
         self._trimmed = [
             self.airframe.fdm[name] if "r" in self.airframe.access(name) else 0.0
             for name in port_names(self.inputs)

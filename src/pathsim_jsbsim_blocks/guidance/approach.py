@@ -134,7 +134,7 @@ class LocalizerHold(Hold):
     def law(self, u: list[float], state: LocalizerState) -> tuple[list[float], LocalizerState]:
         psi, phi, p, ft, dist, off, ail_sat, vc = u[:8]
         self.retune(vc)
-        idle, c = off != 0.0, self.checked
+        idle, c = off != 0.0, self._checked
         beam, across, along, known = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
         drift = 0.0
         if known:
@@ -273,7 +273,7 @@ class GlideslopeHold(GuidedHold):
     START = GlideslopeState()
 
     def build(self) -> None:
-        c = self.checked
+        c = self._checked
         self._threshold = place_unchecked(*c.threshold)
         self._slope = math.tan(math.radians(c.angle))
         self._foot = c.crossing_height / self._slope
@@ -295,8 +295,8 @@ class GlideslopeHold(GuidedHold):
                 speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
         dist = -away if state.captured and rate < 0.0 else away
         if not received:
-            height = h - self.checked.elevation
-            degrees, above = above_path(height, dist + self._foot, self.checked.angle)
+            height = h - self._checked.elevation
+            degrees, above = above_path(height, dist + self._foot, self._checked.angle)
 
         vertical, before, idle = self.vertical, state.vertical, off != 0.0
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
@@ -305,7 +305,7 @@ class GlideslopeHold(GuidedHold):
         level = vertical.altitude.climb_rate(error)
         descent, lower = self._descent(above, speed or 0.0, level)
         # the speed is known once the distance has changed
-        met = lower and rate > 0.0 and (self.checked.from_above or degrees <= _ON_GLIDE_PATH)
+        met = lower and rate > 0.0 and (self._checked.from_above or degrees <= _ON_GLIDE_PATH)
         # below a path that takes more than the thrust gives
         left = descent > allowed.climb_max and degrees < -_ON_GLIDE_PATH
         captured = not idle and (state.captured or met)
@@ -325,7 +325,7 @@ class GlideslopeHold(GuidedHold):
         back = -altitude.Kh * above
         return clip(back, -altitude.hdot_max, most) - sink, back - sink <= level
 
-    def needed(self) -> tuple[str, ...]:
+    def _needed(self) -> tuple[str, ...]:
         # a wire from a receiver asks for the others, and replaces the position
         seen = "gs_deg", "gs_ft", "gs_dist"
         if self.inputs.wired.isdisjoint(seen):

@@ -231,7 +231,7 @@ class Autopilot(GuidedHold):
         pitch, roll, heading, altitude, speed, yaw, envelope = self.gains_of(
             "pitch", "roll", "heading", "altitude", "speed", "yaw", "envelope"
         )
-        T, c, carry = self.clock.period, self.checked, self.scheduled
+        T, c, carry = self.clock.period, self._checked, self.scheduled
         self.vertical = Vertical(
             self.altitude_loop(altitude),
             attitude_loop(T, pitch, c.elevator_authority, -1.0, carry),
@@ -400,7 +400,7 @@ class Autopilot(GuidedHold):
         found, spare, rate = state.lever
         if not state.pitched.law.engaged:
             found = state.speed.law.u + spare
-        low, high = self.checked.throttle_authority
+        low, high = self._checked.throttle_authority
         if given:
             target, increment = given
             throttle = (found if target is None else target) + increment

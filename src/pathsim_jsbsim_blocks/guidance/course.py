@@ -180,7 +180,7 @@ class CourseHold(Hold):
     output_port_labels = numbered("aileron phi_cmd chi chi_cmd across to_go leg")
 
     def build(self) -> None:
-        T, c = self.clock.period, self.checked
+        T, c = self.clock.period, self._checked
         self._chi_ref = c.chi_ref
         self._route = _Route(self.waypoints, self.leg, self.fly_over, self.arcs, self.holding)
         if self._route.waypoints and self._chi_ref is not None:
@@ -213,12 +213,12 @@ class CourseHold(Hold):
         if self._route.waypoints:
             leg, direct, track = self._along(here, chi, ground, vt, leg, direct, engaged)
             across, to_go = track.across, track.to_go
-            tau = self.checked.lookahead or SEPARATION * self.heading.lag(ground.speed)
+            tau = self._checked.lookahead or SEPARATION * self.heading.lag(ground.speed)
             closing = math.degrees(math.atan2(across, max(tau * ground.speed, 1.0)))
-            most = self.checked.intercept
+            most = self._checked.intercept
             target = track.course - clip(closing, -most, most)
             bend = self._route.bank(leg, ground)
-            if engaged and abs(bend) > self.checked.bank_max and not self._warned_of_bank:
+            if engaged and abs(bend) > self._checked.bank_max and not self._warned_of_bank:
                 self._warn_of_bank(bend, leg, ground.speed)
         else:
             found = found if engaged and found is not None else chi
@@ -227,7 +227,7 @@ class CourseHold(Hold):
             found = None
 
         bank, heading = self.heading.sample(lateral.heading, chi, (target, 0.0), not engaged)
-        bank, keeps = clip(bank + bend, -self.checked.bank_max, self.checked.bank_max), False
+        bank, keeps = clip(bank + bend, -self._checked.bank_max, self._checked.bank_max), False
         if not ground.known:
             bank, keeps = self.roll.towards(lateral.roll, phi, (None, 0.0))
         aileron, phi_cmd, roll = self.roll.sample(
@@ -241,7 +241,7 @@ class CourseHold(Hold):
 
     def _refuse_tight_arcs(self) -> None:
         """Refuse radii that take more than the largest bank at any airspeed of the gains."""
-        speed, most = slowest(self.gains), self.checked.bank_max
+        speed, most = slowest(self.gains), self._checked.bank_max
         for leg, arc in enumerate(self._route.legs, 1):
             if speed is None or not isinstance(arc, Arc):
                 continue
@@ -263,7 +263,7 @@ class CourseHold(Hold):
         warn_user(
             f"CourseHold: the arc of leg {leg} takes {abs(bank):.0f} deg of bank at "
             f"{speed / KNOT:.0f} kt over the ground, more than bank_max "
-            f"{self.checked.bank_max:g}: the aircraft leaves it"
+            f"{self._checked.bank_max:g}: the aircraft leaves it"
         )
 
     def _along(
@@ -300,7 +300,7 @@ class CourseHold(Hold):
         A turn at the largest bank and the true airspeed, carried along by the wind, ends on the
         next leg; rolling into it and out of it takes time.
         """
-        route, most = self._route, self.checked.bank_max
+        route, most = self._route, self._checked.bank_max
         if leg + 1 in route.fly_over:
             return 0.0
         speed, drift = ground.speed, ground.drift if vt else 0.0

@@ -246,7 +246,7 @@ class FlareHold(GuidedHold):
     START = FlareState()
 
     def build(self) -> None:
-        T, c = self.clock.period, self.checked
+        T, c = self.clock.period, self._checked
         altitude, pitch, roll, envelope = self.gains_of("altitude", "pitch", "roll", "envelope")
         self.vertical = Vertical(
             AltitudeLoop(T, altitude, None, _STEEPEST, None),
@@ -277,7 +277,7 @@ class FlareHold(GuidedHold):
         h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u[:19]
         self.retune(vc)
         beam, *_ = state.beam.next(ft, dist, self.clock.period, 0.5)
-        height, switches = h - self.checked.gear_height, (wow != 0.0, go_around != 0.0, off != 0.0)
+        height, switches = h - self._checked.gear_height, (wow != 0.0, go_around != 0.0, off != 0.0)
         seen = Seen(height, hdot, theta, alpha, psi, r, vc, given, *switches)
         before = state.phase
         state = self._in_air(self._phase(state._replace(beam=beam), seen), seen)
@@ -319,11 +319,11 @@ class FlareHold(GuidedHold):
 
     def _steepest(self, height: float) -> float:
         """Lowest rate of climb of the flare at a height, ft/s."""
-        return min(-height / self.checked.tau, 0.0) - self.checked.sink
+        return min(-height / self._checked.tau, 0.0) - self._checked.sink
 
     def _phase(self, state: FlareState, seen: Seen) -> FlareState:
         """The state in the phase that begins or goes on."""
-        c, before, phase = self.checked, state.phase, state.phase
+        c, before, phase = self._checked, state.phase, state.phase
         height, hdot = seen.height, seen.hdot
         across = abs(wrap(seen.psi - c.course)) > _ACROSS
         low = hdot <= self._steepest(height) or height <= c.sink * c.tau
@@ -410,7 +410,7 @@ class FlareHold(GuidedHold):
 
     def _pitch(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, FlareState]:
         """Pitch angle of the phase, and the next state."""
-        c, T, v, height, hdot = self.checked, self.clock.period, state.v, seen.height, seen.hdot
+        c, T, v, height, hdot = self._checked, self.clock.period, state.v, seen.height, seen.hdot
         goes, steepest = state.phase == GO_AROUND, self._steepest(height)
         if goes:
             # the rate of climb at which the airspeed comes back to what it was
@@ -459,7 +459,7 @@ class FlareHold(GuidedHold):
 
     def _bank(self, state: FlareState, psi: float) -> float:
         """Bank in deg: to the centre line in the flare, for the heading in a go-around."""
-        most = self.checked.bank_max
+        most = self._checked.bank_max
         if state.phase == FLARE:
             pull = _TRACKING * (_TRACKING * state.beam.ft + 1.4 * state.beam.aside)
             return clip(-DEGREES / GRAVITY * pull, -most, most)
@@ -469,7 +469,7 @@ class FlareHold(GuidedHold):
 
     def _yaw(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, float, float]:
         """Rudder, steering of the nose wheel, and the reference of the heading."""
-        c, T = self.checked, self.clock.period
+        c, T = self._checked, self.clock.period
         target, psi_cmd = c.course, state.psi
         if rolls:
             target -= clip(DEGREES * _STEER * state.beam.ft / state.v, -5.0, 5.0)

@@ -53,7 +53,7 @@ class GuidedHold(Hold):
 
     def altitude_loop(self, gains: AltitudeGains) -> AltitudeLoop:
         """The altitude loop; its limits are checked at every point of a schedule."""
-        T, c = self.clock.period, self.checked
+        T, c = self.clock.period, self._checked
         limits = getattr(c, "hdot_max", None), c.theta_min, c.theta_max
         for point in self._schedule.points if self._schedule else ():
             AltitudeLoop(T, loop_gains(point.gains, "altitude")[0], *limits)
@@ -63,7 +63,7 @@ class GuidedHold(Hold):
         self, altitude: AltitudeGains, pitch: AttitudeGains, envelope: EnvelopeLimits | None
     ) -> Vertical:
         """The loops from the altitude to the elevator; they follow a schedule."""
-        T, authority = self.clock.period, self.checked.authority
+        T, authority = self.clock.period, self._checked.authority
         vertical = Vertical(
             self.altitude_loop(altitude),
             attitude_loop(T, pitch, authority, -1.0, self.scheduled),
@@ -74,7 +74,7 @@ class GuidedHold(Hold):
 
     def protection_within(self, envelope: EnvelopeLimits | None) -> Protection | None:
         """The protection from the stall; None without an angle of attack to keep."""
-        own = self.checked.alpha_max
+        own = self._checked.alpha_max
         if own is None and envelope is None:
             return None
         return Protection(self.clock.period, own, envelope)

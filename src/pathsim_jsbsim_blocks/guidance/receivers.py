@@ -24,7 +24,7 @@ class _Receiver(SampledLaw):
     width: float
 
     def build(self) -> None:
-        self._noise = WhiteNoise(self.checked.seed, 1)
+        self._noise = WhiteNoise(self._checked.seed, 1)
         self._kept = math.exp(-self.clock.period / _CORRELATION)
 
     def initial_state(self) -> tuple[Any, ...]:
@@ -33,14 +33,14 @@ class _Receiver(SampledLaw):
     def seen(self, degrees: float, feet: float, slant: float, state: Any) -> tuple[list, tuple]:
         """Deviation in deg and ft, and the next state; ``slant`` is the distance, ft."""
         k, last = state
-        most = self.checked.width
+        most = self._checked.width
         edge = min(max(degrees, -most), most)
-        if self.checked.noise:
+        if self._checked.noise:
             fresh = self._noise.row(k)[0]
             if k:
                 fresh = self._kept * last + math.sqrt(1.0 - self._kept**2) * fresh
             last = fresh
-        error = edge - degrees + self.checked.noise * last
+        error = edge - degrees + self._checked.noise * last
         # so that the deviation in ft is exact without width and noise
         feet += slant * (math.tan(math.radians(degrees + error)) - math.tan(math.radians(degrees)))
         return [degrees + error, feet], (k + 1, last)
@@ -102,7 +102,7 @@ class Localizer(_Receiver):
 
     def build(self) -> None:
         super().build()
-        self._line = line_to(place_unchecked(*self.checked.station), self.checked.course)
+        self._line = line_to(place_unchecked(*self._checked.station), self._checked.course)
 
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
         across, to_go, _ = self._line.track(place_unchecked(*u))
@@ -172,7 +172,7 @@ class Glideslope(_Receiver):
     output_port_labels = {"deg": 0, "ft": 1, "dist": 2}
 
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
-        c = self.checked
+        c = self._checked
         away = distance(place_unchecked(*u[:2]), place_unchecked(*c.station))
         degrees, feet = above_path(u[2] - c.elevation, away, c.angle)
         seen, state = self.seen(degrees, feet, away, state)

@@ -131,12 +131,12 @@ class LinearAircraft(LinearModelBlock):
     input_port_labels = numbered("elevator aileron rudder throttle")
     output_port_labels = Aircraft.output_port_labels
 
-    def begin(self) -> None:
+    def _begin(self) -> None:
         given = {f.name: getattr(self, f.name) for f in fields(LinearAircraft) if f.init}
         method = given.pop("method")
         model = Aircraft(**given).linear_model(method)
         self.model = _with_ports(model, self.input_port_labels)
-        super().begin()
+        super()._begin()
 
 
 def _with_ports(model: LinearModel, names: Iterable[str]) -> LinearModel:

@@ -48,7 +48,7 @@ class LinearModelBlock(Parametric, StateSpace):
 
     model: LinearModel
 
-    def begin(self) -> None:
+    def _begin(self) -> None:
         model = self.model
         if not isinstance(model, LinearModel):
             must_be("model", model, "a LinearModel")
@@ -59,7 +59,7 @@ class LinearModelBlock(Parametric, StateSpace):
         self.op_alg = DynamicOperator(self._output, self._c, self._d)
         self.outputs.update_from_array(model.y0)
 
-    def change(self, values: dict[str, Any]) -> None:
+    def _change(self, values: dict[str, Any]) -> None:
         for name, value in values.items():
             if np.any(value != getattr(self, name)):
                 why = f"{name} cannot change once the model is made: build another block"

@@ -92,12 +92,12 @@ class FlightRecorder(Parametric, Scope):
     sampling_period: float | None = parameter(None, optional, above=0.0)
     t_wait: float = parameter(0.0, number, low=0.0)
 
-    def begin(self) -> None:
+    def _begin(self) -> None:
         period = optional("sampling_period", self.sampling_period, above=0.0)
         Scope.__init__(self, period, number("t_wait", self.t_wait, low=0.0))
 
     def build(self) -> None:
-        signals = self.checked.signals
+        signals = self._checked.signals
         if not self._built:
             self._recorded = signals
             self.labels = [*POSITION.values(), *signals]

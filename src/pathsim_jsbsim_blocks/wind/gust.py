@@ -121,13 +121,13 @@ class OneMinusCosineGust(_EdgeSource):
     @property
     def peak(self) -> float:
         """Velocity at the middle of the gust, ft/s."""
-        peak = self.checked.amplitude
+        peak = self._checked.amplitude
         if peak is None:
             peak = design_gust_velocity(self.gradient, self.altitude)
-        return self.checked.polarity * peak
+        return self._checked.polarity * peak
 
     def _edge_times(self) -> list[float]:
-        c, self._peak = self.checked, self.peak
+        c, self._peak = self._checked, self.peak
         return [c.start, c.start + 2 * c.gradient / c.airspeed]
 
     def update(self, t: float) -> None:

@@ -138,7 +138,7 @@ class Microburst(NamedFunction):
     places = ("lat", "lon", "h")
 
     def function(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
-        c = self.checked
+        c = self._checked
         per_lat, per_lon = _feet_per_degree(c.lat0)
         return oseguera_bowles(
             per_lat * (lat - c.lat0),

@@ -106,7 +106,7 @@ class WindShear(NamedFunction):
     places = ("h",)
 
     def function(self, h: float) -> tuple[float, float]:
-        height = number("h", h) - self.checked.terrain
+        height = number("h", h) - self._checked.terrain
         speed = KNOT * logarithmic_profile(height, self.wind_20ft, self.roughness)
-        psi = math.radians(self.checked.direction)
+        psi = math.radians(self._checked.direction)
         return -speed * math.cos(psi), -speed * math.sin(psi)

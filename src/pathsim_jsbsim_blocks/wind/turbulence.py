@@ -394,13 +394,13 @@ class DrydenTurbulence(SampledLaw):
     def build(self) -> None:
         self._dryden = Dryden(
             self.clock.period,
-            span=self.checked.span,
+            span=self._checked.span,
             severity=self.severity,
             wind_20ft=self.wind_20ft,
             sigma=self.sigma,
         )
-        self._terrain = self.checked.terrain
-        self._noise = WhiteNoise(self.checked.seed, Dryden.WIDTH)
+        self._terrain = self._checked.terrain
+        self._noise = WhiteNoise(self._checked.seed, Dryden.WIDTH)
 
     def initial_state(self) -> State:
         return (0,)

@@ -72,7 +72,7 @@ class RollHold(Hold):
 
     def build(self) -> None:
         (gains,) = self.gains_of("roll")
-        T, authority = self.clock.period, self.checked.authority
+        T, authority = self.clock.period, self._checked.authority
         self.roll = attitude_loop(T, gains, authority, carry=self.scheduled)
         self.follows(roll=self.roll)
 
@@ -215,7 +215,7 @@ class YawDamper(Hold):
 
     def build(self) -> None:
         (gains,) = self.gains_of("yaw")
-        self.yaw = YawLoop(self.clock.period, gains, self.checked.authority)
+        self.yaw = YawLoop(self.clock.period, gains, self._checked.authority)
         self.follows(yaw=self.yaw)
 
     def law(self, u: list[float], state: YawState) -> tuple[list[float], YawState]:

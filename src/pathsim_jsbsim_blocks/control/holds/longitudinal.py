@@ -75,7 +75,7 @@ class PitchHold(Hold):
 
     def build(self) -> None:
         (gains,) = self.gains_of("pitch")
-        T, authority = self.clock.period, self.checked.authority
+        T, authority = self.clock.period, self._checked.authority
         self.pitch = attitude_loop(T, gains, authority, -1.0, self.scheduled)
         self.follows(pitch=self.pitch)
 
@@ -154,7 +154,7 @@ class AirspeedHold(Hold):
 
     def build(self) -> None:
         (gains,) = self.gains_of("speed")
-        self.speed = SpeedLoop(self.clock.period, gains, self.checked.authority, self.scheduled)
+        self.speed = SpeedLoop(self.clock.period, gains, self._checked.authority, self.scheduled)
         self.follows(speed=self.speed)
 
     def law(self, u: list[float], state: ReferenceState) -> tuple[list[float], ReferenceState]:
