@@ -10,7 +10,7 @@ from corruptions import PARTS, resumed_from_corruptions, run, thirds
 
 from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks.errors import FileError, MissingExtraError
-from pathsim_jsbsim_blocks.studies.journal import Journal, study_key
+from pathsim_jsbsim_blocks.studies.journal import Journal, _line, study_key
 
 KEY = study_key({"study": "thirds"})
 
@@ -53,7 +53,11 @@ EARLIER = (
 )
 
 
-@pytest.mark.parametrize("text", ["my notes\n", "my notes", "[" * 100_000 + "\n", *EARLIER])
+def _without_its_first_line():
+    return _line([0, thirds(PARTS[0])]).decode()
+
+
+@pytest.mark.parametrize("text", [_without_its_first_line(), "my notes\n", "my notes", "[" * 100_000 + "\n", *EARLIER])
 def test_a_file_of_other_data_or_an_earlier_version_is_refused_and_kept(tmp_path, text):
     path = tmp_path / "notes.txt"
     path.write_text(text)
@@ -64,9 +68,15 @@ def test_a_file_of_other_data_or_an_earlier_version_is_refused_and_kept(tmp_path
 
 def test_a_file_that_cannot_be_opened_is_refused(tmp_path):
     for path in (tmp_path / "none" / "x", tmp_path / ("x" * 300), tmp_path, "a\0"):
-        with pytest.raises(ParameterError, match=r"cannot write|must be|no directory") as error:
+        with pytest.raises(ParameterError, match=r"cannot be opened|must be|not a file") as error:
             Journal(path, {})
         assert error.value.parameter == "resume"
+
+
+def test_opening_removes_no_file_that_another_process_may_have_begun(tmp_path, monkeypatch):
+    monkeypatch.delattr(Path, "unlink")
+    monkeypatch.delattr(os, "remove")
+    Journal(tmp_path / "thirds.jsonl", KEY).file.close()
 
 
 SECOND = """

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import jsbsim
@@ -13,6 +14,7 @@ import pandas as pd
 import pytest
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
+from pathsim_jsbsim_blocks.errors import FileError
 from pathsim_jsbsim_blocks.studies import run_batch, trim_sweep
 
 PACKAGE = {
@@ -129,6 +131,7 @@ def test_versions_are_compared(package, monkeypatch):
 SCRIPT = """
 import functools, sys
 from own_helper import half
+from pathsim_jsbsim_blocks.errors import FileError
 from pathsim_jsbsim_blocks.studies import run_batch
 
 def build(x, names):
@@ -278,3 +281,22 @@ def test_models_of_two_roots_of_one_name_are_told_apart(tmp_path):
         (root / "aircraft" / "own.xml").write_text("<fdm_config/>")
     os.rename(tmp_path / "a", tmp_path / "c")
     assert "own.xml" in differing(run_batch, build, cases, **options)
+
+
+def test_code_that_cannot_be_read_is_named(tmp_path, monkeypatch):
+    archive = tmp_path / "modules.zip"
+    with zipfile.ZipFile(archive, "w") as file:
+        file.writestr("zipped_study.py", "def build(x):\n    return {'y': x}\n")
+    monkeypatch.syspath_prepend(archive)
+    build = importlib.import_module("zipped_study").build
+    with pytest.raises(FileError) as error:
+        run_batch(build, {"x": [1.0]}, jobs=1, progress=False, resume=tmp_path / "kept.txt")
+    assert error.value.path == str(archive)
+
+
+def test_arguments_that_do_not_go_with_measure_are_refused(package):
+    package()
+    measure = functools.partial(importlib.import_module("own_package.inner.study").other, 1, 2)
+    with pytest.raises(ParameterError) as error:
+        run_batch("pitch_hold", {"DURATION": [1.0]}, measure=measure, progress=False, resume="kept")
+    assert error.value.parameter == "resume"

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import __version__
-from .._core.checks import refuse, writable
+from .._core.checks import as_path, refuse
 from .._core.extras import required
 from ..errors import FileError
 
@@ -32,11 +32,13 @@ class Journal:
 
     def __init__(self, path: str | Path, key: Mapping[str, str]):
         lock = required("filelock", "studies").lock_descriptor
-        self.path = writable("resume", path)
-        if self.path.exists() and not self.path.is_file():  # reading a device may never end
+        self.path = as_path("resume", path)
+        if os.path.exists(self.path) and not os.path.isfile(self.path):  # a device may never end
             self._refuse("is not a file")
-        # unbuffered, so that finished lines survive a kill of this process
-        self.file = self.path.open("a+b", buffering=0)
+        try:  # unbuffered, so that finished lines survive a kill of this process
+            self.file = self.path.open("a+b", buffering=0)
+        except OSError as error:
+            self._refuse(f"cannot be opened: {error.strerror}")
         try:
             with contextlib.suppress(OSError):  # a file system without locks
                 if not lock(self.file.fileno(), blocking=False):
@@ -58,7 +60,7 @@ class Journal:
         first, *lines = content.split(b"\n")
         if not content.startswith(_line(header)):
             why = "was not written by this version of this package"
-            with contextlib.suppress(ValueError, KeyError):
+            with contextlib.suppress(ValueError, KeyError, TypeError):
                 why = f"is of another study: {_differences(_data(first)[_TITLE], header[_TITLE])}"
             self._refuse(f"{why}; name another file or delete it")
         parts = []
@@ -115,13 +117,16 @@ def study_key(parts: Mapping[str, Any]) -> dict[str, str]:
 def of_files(ending: str, folders: Iterable[Path]) -> dict[str, str]:
     """Checksums of all files below folders by their names, also of those that nothing imports."""
     sums: dict[str, str] = {}
-    for folder in folders:
-        for count, file in enumerate(_files(ending, folder)):
-            if count == _MOST_FILES:
-                why = f"{folder} has more than {count:,} {ending} files to compare"
-                refuse("resume", str(folder), f"{why}: move the study to a folder of its own")
-            name = file.relative_to(folder.parent).as_posix()  # two folders may have it
-            sums[name] = sums.get(name, "") + _checksum(file.read_bytes())
+    try:
+        for folder in folders:
+            for count, file in enumerate(_files(ending, folder)):
+                if count == _MOST_FILES:
+                    why = f"{folder} has more than {count:,} {ending} files to compare"
+                    refuse("resume", str(folder), f"{why}: move the study to a folder of its own")
+                name = file.relative_to(folder.parent).as_posix()  # two folders may have it
+                sums[name] = sums.get(name, "") + _checksum(file.read_bytes())
+    except OSError as error:  # of a module in a zip file, too
+        raise FileError("read", error.filename, error) from None
     return sums
 
 
@@ -151,12 +156,12 @@ def of_function(label: str, function: Any, folders: Any = (), values: Any = ()) 
     if not plain or own.__code__.co_filename != scope.get("__file__"):
         why = "no lambda, method, closure, or function of a notebook"
         refuse("resume", function, f"with resume, {label} must be a function of a file: {why}")
-    bound = inspect.signature(own).bind_partial(*partial.args, **partial.keywords)
     joblib = required("joblib", "studies")
     try:
+        bound = inspect.signature(own).bind_partial(*partial.args, **partial.keywords)
         parts = {f"argument {n}": joblib.hash(x) for n, x in bound.arguments.items()}
     except Exception as error:
-        refuse("resume", function, f"an argument of {label} cannot be compared: {error}")
+        refuse("resume", function, f"the arguments of {label} cannot be compared: {error}")
     bound.apply_defaults()
     code = of_files(".py", sorted({*folders, _folder(scope)}))
     return {label: name, **parts, **code, **of_models([*values, *bound.arguments.values()])}
