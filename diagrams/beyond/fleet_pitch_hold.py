@@ -141,7 +141,6 @@ if __name__ == "__main__":
         raised = theta - theta[0]
         print(
             f"{label.split()[0]:>10}: {settling(time, raised, STEP, 0.5, 'deg', after=START)}, "
-            f"overshoot {max(100 * (raised.max() / STEP - 1), 0.0):.1f} %, "
-            f"{abs(raised[-1] - STEP):.3f} deg off at the end"
+            f"at most {raised.max():.3f} deg, {raised[-1]:.3f} deg at the end"
         )
     show(figure(), "fleet_pitch_hold")

@@ -81,10 +81,9 @@ if __name__ == "__main__":
     sim.run(DURATION)
     time, psi = signal(heading, "heading")
     _, h = signal(flight, "altitude")
-    beyond = psi - 10.0 if psi[0] < 10.0 else 10.0 - psi
     print(
         f"heading {psi[-1]:.2f} deg, {settling(time, psi, 10.0, 0.5, 'deg')}, "
-        f"overshoot {max(beyond.max(), 0.0):.2f} deg; "
+        f"at most {psi.max():.2f} deg; "
         f"altitude {h.min():.1f} to {h.max():.1f} ft"
     )
     show(figure(), "heading_hold")

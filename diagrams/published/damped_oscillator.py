@@ -56,7 +56,8 @@ if __name__ == "__main__":
     _, v = signal(scope, "velocity v")
     back = time[1:][(v[:-1] < 0.0) & (v[1:] >= 0.0)]
     if back.size:
-        print(f"first swing to {x[time <= back[0]].min():.4f} (analytic -0.4443 for zeta = 0.25)")
+        swing = x[time <= back[0]].min()
+        print(f"first swing to {swing:.4f} (analytic -0.4443 from x = 1 with zeta = 0.25)")
     else:
         print("the first swing is not over by the end")
     print(f"x = {x[-1]:.5f} after {sim.time:.4g} s")

@@ -171,7 +171,7 @@ def raised(column):
 def fleet(name):
     def numbers(f):
         y = f[name] - f[name][0]
-        return max(100 * (y.max() / 5.0 - 1), 0.0), abs(y[-1] - 5.0)
+        return y.max(), y[-1]
 
     return numbers
 
@@ -284,7 +284,7 @@ SIGNALS = {
         r"#    #    #    #": None,
     },
     "damped_oscillator": {
-        "first swing to # (analytic # for zeta = #)": oscillator,
+        "first swing to # (analytic # from x = 1 with zeta = #)": oscillator,
         "the first swing is not over by the end": lambda f: (
             [0.0] * (not math.isnan(oscillator(f)[0]))
         ),
@@ -332,7 +332,7 @@ SIGNALS = {
         )
     },
     "fleet_pitch_hold": {
-        f"{name}: @, overshoot # %, # deg off at the end": (
+        f"{name}: @, at most # deg, # deg at the end": (
             lambda f, name=name: (raised(name)(f)[0], *fleet(name)(f))
         )
         for name in ("c172p", "737", "global5000", "A320", "B747", "T38")
@@ -347,10 +347,10 @@ SIGNALS = {
         )
     },
     "heading_hold": {
-        "heading # deg, @, overshoot # deg; altitude # to # ft": lambda f: (
+        "heading # deg, @, at most # deg; altitude # to # ft": lambda f: (
             f["heading"][-1],
             f["heading"],
-            max(max((f["heading"] - 10.0) * math.copysign(1.0, 10.0 - f["heading"][0])), 0.0),
+            max(f["heading"]),
             *f.span("altitude"),
         )
     },
@@ -540,10 +540,10 @@ OTHERWISE = {
     "pitch_hold": ["hold.theta_ref=20"],
     "airspeed_hold": ["faster.tau=30", "aircraft.speed=100", "faster.amplitude=0"],
     "altitude_hold": ["higher.amplitude=0"],
-    "heading_hold": ["aircraft.heading=30", "heading_hold.psi_ref=20"],
+    "heading_hold": ["heading_hold.psi_ref=30"],
     "van_der_pol": ["position.initial_value=0", "velocity.initial_value=0"],
     "yaw_damper": ["pulse.amplitude=[0, 0]"],
-    "fleet_pitch_hold": ["step.amplitude=0"],
+    "fleet_pitch_hold": ["step.amplitude=10"],
     "damped_oscillator": ["stiffness.gain=0"],
     "autoland_c172p": ["go_around.value=1"],
     "aileron_turn": ["fdm.trim_altitude=4000"],
