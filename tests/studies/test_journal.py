@@ -57,7 +57,9 @@ def _without_its_first_line():
     return _line([0, thirds(PARTS[0])]).decode()
 
 
-@pytest.mark.parametrize("text", [_without_its_first_line(), "my notes\n", "my notes", "[" * 100_000 + "\n", *EARLIER])
+@pytest.mark.parametrize(
+    "text", [_without_its_first_line(), "my notes\n", "my notes", "[" * 100_000 + "\n", *EARLIER]
+)
 def test_a_file_of_other_data_or_an_earlier_version_is_refused_and_kept(tmp_path, text):
     path = tmp_path / "notes.txt"
     path.write_text(text)
