@@ -1,6 +1,7 @@
 """The first look at a model: of all that are bundled, and of models as other people have them."""
 
 import math
+from pathlib import Path
 
 import pytest
 from models_from_outside import (
@@ -142,3 +143,46 @@ def test_each_bundled_model_has_a_report(aircraft):
     if report.trim is not None:
         assert report.trim.steady == ("hands off" not in subjects(report))
         assert report.method or "linear model" in subjects(report)
+
+
+# changes after which the c172p does not load
+BROKEN = {
+    "its end": ("</fdm_config>", ""),
+    "metrics": ("<metrics>.*</metrics>", ""),
+    "masses": ("<mass_balance>.*</mass_balance>", ""),
+    "an engine's file": ('<engine file="[^"]*"', '<engine file="none_such"'),
+    "a propeller's file": ('<thruster file="[^"]*"', '<thruster file="none_such"'),
+    "aerodynamics": ("<aerodynamics>.*</aerodynamics>", ""),
+    "a number": ("<retractable>.*?</retractable>", "<retractable>yes</retractable>"),
+    "XML": ("^.*$", "text"),
+}
+
+
+@pytest.mark.parametrize("change", BROKEN.values(), ids=BROKEN)
+def test_a_model_without(change, tmp_path):
+    report = aircraft_report("c172p", changed(tmp_path, "c172p", change))
+    assert not report.loads
+    assert subjects(report) == ["model"]
+    assert on_one_screen(report)
+
+
+@pytest.mark.parametrize(
+    ("change", "faults"),
+    [
+        (("<wingarea.*?</wingarea>", ""), ["commands", "trim"]),
+        (("<flight_control.*</flight_control>", "<flight_control/>"), ["commands", "trim"]),
+        (("(<(capacity|contents) .*?>).*?<", r"\g<1>0<"), ["fuel", "trim"]),
+    ],
+    ids=["wing area", "controls", "room in its tanks"],
+)
+def test_a_model_that_loads_without(change, faults, tmp_path):
+    report = aircraft_report("c172p", changed(tmp_path, "c172p", change))
+    assert report.loads
+    assert subjects(report) == faults
+    assert report.trim is None
+
+
+@pytest.mark.long
+def test_the_report_on_the_page_is_the_one_of_today():
+    page = Path(__file__).parents[2] / "docs" / "models-from-elsewhere.md"
+    assert f"```\n{aircraft_report('c172x')}\n```" in page.read_text(encoding="utf-8")

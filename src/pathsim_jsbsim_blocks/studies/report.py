@@ -141,7 +141,9 @@ def _of_mode(mode: Mode) -> str:
 
 
 def _wrapped(head: str, text: str) -> list[str]:
-    return textwrap.wrap(head + text, 100, subsequent_indent=" " * len(head))
+    indent = " " * len(head)
+    # names of properties have hyphens
+    return textwrap.wrap(head + text, 100, subsequent_indent=indent, break_on_hyphens=False)
 
 
 def aircraft_report(
@@ -268,5 +270,5 @@ def _modes(
             plane = Aircraft(**model, condition=condition)
             return method, tuple(linear_model(plane, method).modes()), faults
         except BlocksError as error:
-            faults = faults or (_fault("linear model", str(error)),)
+            faults = faults or (_fault("linear model", str(error.__cause__ or error)),)
     return "", (), faults
