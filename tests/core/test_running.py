@@ -28,7 +28,7 @@ from pathsim.solvers import RKCK54, RKDP54, SSPRK22
 from pathsim.utils.diagnostics import Diagnostics
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError, PitchHold, fly
-from pathsim_jsbsim_blocks.scripts.runs import with_duration
+from pathsim_jsbsim_blocks.scripts.runs import intercepted_runs
 
 pytestmark = pytest.mark.matrix
 
@@ -457,11 +457,12 @@ def test_a_duration_that_cannot_be_is_refused(duration):
 
 
 def test_runs_within_runs_are_counted_apart():
-    with with_duration(None) as outer:
-        with with_duration(None) as inner:
+    outer, inner = [], []
+    with intercepted_runs(outer.append):
+        with intercepted_runs(inner.append):
             pass
         fly(Simulation([Constant(1.0)], [], dt=0.1, log=False), 0.2)
-    assert (outer.begun, inner.begun) == (1, 0)
+    assert (len(outer), len(inner)) == (1, 0)
 
 
 def test_a_diagram_of_another_aircraft_may_fly_in_an_event():

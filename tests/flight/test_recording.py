@@ -208,8 +208,7 @@ def test_the_command_writes_the_track_of_a_flight_that_ends_early(tmp_path, caps
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        (["step_response", "--track", "a.csv"], "no JSBSim aircraft flies in the first run"),
-        (["step_response", "--flightgear"], "no JSBSim aircraft flies in the first run"),
+        (["step_response", "--track", "a.csv"], "the script flies no aircraft"),
         (["hello_jsbsim", "--track", "a.kmz"], "did you mean 'a.kml'"),
         (["hello_jsbsim", "--flightgear", "127.0.0.1:"], "must be HOST:PORT"),
     ],
@@ -225,35 +224,64 @@ WRAPPER = """
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant
 from pathsim_flight import JSBSimWrapper
+from pathsim_jsbsim_blocks import Aircraft
 
 plane = JSBSimWrapper(T=1 / 60, input_properties=["fcs/elevator-cmd-norm"],
                       output_properties=["attitude/theta-deg"])
 zero = Constant(0.0)
 {aircraft}
-sim = Simulation([zero, plane, *scopes, *others], [Connection(zero, plane)], dt=1 / 60, log=False)
+sim = Simulation([zero, plane, *others], [Connection(zero, plane)], dt=1 / 60, log=False)
 sim.run(0.1)
-print("flown")
 """
-OTHER = "from pathsim_jsbsim_blocks import Aircraft\nothers = [Aircraft('c172p', altitude=5000, speed=90, T=1 / 60)]"
+OTHER = "others = [Aircraft('c172p', altitude=5000, speed=90, T=1 / 60)]"
+
+
+@pytest.mark.parametrize(("more", "status"), [("others = []", 1), (OTHER, 0)])
+def test_a_wrapper_that_leaves_no_track_is_named_before_the_run(more, status, tmp_path, capsys):
+    script, path = tmp_path / "script.py", tmp_path / "a.csv"
+    script.write_text(WRAPPER.format(aircraft=more))
+    assert main(["run", str(script), "--track", str(path)]) == status
+    printed = capsys.readouterr()
+    assert printed.err.startswith("pathsim-jsbsim: JSBSimWrapper of pathsim-flight leaves no track")
+    assert path.exists() == (status == 0)
+
+
+TWO = """
+import sys
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant, Scope
+from pathsim_jsbsim_blocks import Aircraft
+
+Simulation([Constant(1.0)], dt=0.1, log=False).run(0.2)
+
+
+def main():
+    plane, scope = Aircraft("c172p", altitude=5000, speed=90), Scope()
+    sim = Simulation([plane, scope], [Connection(plane, scope)], dt=1 / 120, log=False)
+    sim.run(0.1)
+
+
+{end}
+"""
 
 
 @pytest.mark.parametrize(
-    ("option", "more", "status", "text"),
-    [
-        ("--track", "scopes, others = [], []", 1, "use JSBSimFDM"),
-        ("--track", f"{OTHER}\nscopes = []", 0, "use JSBSimFDM"),
-        ("--csv", "scopes, others = [], []", 1, "no Scope records"),
-    ],
+    ("end", "status"), [("main()", 0), ("sys.exit(main())", 0), ("main()\n1 / 0", 1)]
 )
-def test_what_leaves_nothing_to_write_is_said_before_the_run(
-    option, more, status, text, tmp_path, capsys
+def test_a_second_run_within_a_function_leaves_a_track_and_its_signals(
+    end, status, tmp_path, capsys
 ):
-    script, path = tmp_path / "script.py", tmp_path / "a.csv"
-    script.write_text(WRAPPER.format(aircraft=more))
-    assert main(["run", str(script), option, str(path)]) == status
-    printed = capsys.readouterr()
-    assert text in printed.err
-    assert ("flown" in printed.out) == path.exists() == (status == 0)
+    script, track, signals = tmp_path / "script.py", tmp_path / "a.csv", tmp_path / "b.csv"
+    script.write_text(TWO.format(end=end))
+    command = ["run", str(script), "--track", str(track), "--csv", str(signals)]
+    if "exit" in end:
+        with pytest.raises(SystemExit):
+            main(command)
+    else:
+        assert main(command) == status
+    assert len(track.read_text().splitlines()) > 10
+    assert len(signals.read_text().splitlines()) > 10
+    assert "no JSBSim aircraft flies in this run" in capsys.readouterr().err
 
 
 def test_no_package_is_missed_after_a_flight(tmp_path, monkeypatch, capsys):

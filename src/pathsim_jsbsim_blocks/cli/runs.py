@@ -6,8 +6,8 @@ import argparse
 import ast
 import contextlib
 import inspect
-import itertools
 import traceback
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -76,7 +76,7 @@ def list_(args: argparse.Namespace) -> None:
 def run(args: argparse.Namespace) -> int:
     from .._core.callers import keep_warnings_visible
     from .._core.checks import positive
-    from ..scripts.runs import with_duration, with_progress
+    from ..scripts.runs import intercepted_runs, with_duration, with_progress
     from ..scripts.script import Script, main_program
 
     keep_warnings_visible()  # those of a script without a block of ours too
@@ -90,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
     else:
         script = _script(args.name).absolute()
     signals = signals_writer(args.csv, args.csv_rate)
-    status = 0
+    status, last = 0, deque[Any](maxlen=1)  # simulation that ran, which a function may have
     try:
         with (
             saving_figures(args.save),
@@ -98,7 +98,8 @@ def run(args: argparse.Namespace) -> int:
             _tracking(args.track),
             with_progress(),
             _to_flightgear(args.flightgear),
-            _checked_before_the_run(args),
+            _telling_of_no_aircraft(args),
+            intercepted_runs(lambda run: last.append(run.simulation)),
             contextlib.ExitStack() as timed,
         ):
             try:
@@ -107,18 +108,18 @@ def run(args: argparse.Namespace) -> int:
                 if constant:
                     settings["DURATION"] = duration
                     diagram = Script(script, settings, source)
-                runs = timed.enter_context(with_duration(None if constant else duration))
+                timed.enter_context(with_duration(None if constant else duration))
                 diagram.run(module)
                 objects = list(vars(module).values())
-                if not runs.begun:
+                if not last:
                     _report_no_run(objects, duration, constant)
             except SystemExit as error:  # a script may end normally with sys.exit
-                save(args.save, signals, recording_scopes(_variables_at(error)))
+                save(args.save, signals, recording_scopes(_variables_at(error, last)))
                 raise
             except BaseException as error:
-                status = _report_failure(error, script, args.save, signals)
+                status = _report_failure(error, script, args.save, signals, last)
                 raise
-            save(args.save, signals, recording_scopes(objects))
+            save(args.save, signals, recording_scopes([*objects, *last]))
     except BaseException:
         if not status:
             raise
@@ -170,37 +171,30 @@ def _code_of_model(path: Path, args: argparse.Namespace) -> str:
     return source
 
 
-def _checked_before_the_run(args: argparse.Namespace) -> contextlib.AbstractContextManager[None]:
-    """Context that refuses, before the first run, options for which its diagram has no block."""
-    from ..scripts.runs import Beginning, intercepted_runs
+def _telling_of_no_aircraft(args: argparse.Namespace) -> contextlib.AbstractContextManager[Any]:
+    """Context that says, before a run, that no aircraft of this package flies in it."""
+    from ..scripts.runs import intercepted_runs
 
-    runs = itertools.count()
+    texts = set[str]()
 
-    def check(run: Beginning) -> None:
-        if next(runs) or not (args.track or args.csv or args.flightgear is not None):
-            return
-        from pathsim.blocks import Scope
+    def check(run: Any) -> None:
         from pathsim_flight import JSBSimWrapper
 
-        from .._core.checks import refuse
         from .._core.wiring import contents
         from ..flight.block import FlightBlock
 
-        blocks = contents(run.simulation)[0]
-        kinds = (FlightBlock, JSBSimWrapper, Scope)
-        flies, wrapped, records = (any(isinstance(b, kind) for b in blocks) for kind in kinds)
-        why = "no JSBSim aircraft flies in the first run of the script"
-        if wrapped:
-            why = "JSBSimWrapper of pathsim-flight leaves no track: use JSBSimFDM in its place"
-        for name in ("track", "flightgear"):
-            if not flies and getattr(args, name) not in (None, []):
-                refuse(name, str(getattr(args, name)), why)
-        if args.csv and not records:
-            refuse("csv", str(args.csv), "no Scope records in the first run of the script")
-        if args.track and wrapped:
-            tell(why)
+        kinds = [type(block) for block in contents(run.simulation)[0]]
+        text = "no JSBSim aircraft flies in this run"
+        if JSBSimWrapper in kinds:
+            text = "JSBSimWrapper of pathsim-flight leaves no track: use JSBSimFDM in its place"
+        elif any(issubclass(kind, FlightBlock) for kind in kinds):
+            return
+        if text not in texts:
+            tell(text)
+        texts.add(text)
 
-    return intercepted_runs(check)
+    asked = args.track or args.flightgear is not None
+    return intercepted_runs(check) if asked else contextlib.nullcontext()
 
 
 @contextlib.contextmanager
@@ -281,10 +275,17 @@ def _report_no_run(objects: Iterable[Any], duration: float | None, constant: boo
 
 
 def _report_failure(
-    error: BaseException, script: Path, figure: Path | None, signals: SignalsWriter | None
+    error: BaseException,
+    script: Path,
+    figure: Path | None,
+    signals: SignalsWriter | None,
+    last: Iterable[Any],
 ) -> int:
-    """Save what a script recorded before it stopped, and print the reason."""
-    scopes = recording_scopes(_variables_at(error))
+    """Save what a script recorded before it stopped, and print the reason.
+
+    ``last`` is the simulation of its last run.
+    """
+    scopes = recording_scopes(_variables_at(error, last))
     saved = ""
     if scopes and (figure is not None or signals is not None):
         until = f"until t = {max(scope.recording_time[-1] for scope in scopes):.9g} s"
@@ -311,10 +312,7 @@ def _report_failure(
     return 1
 
 
-def _variables_at(error: BaseException) -> list[Any]:
-    """Variables of the script that an exception ended, those of its functions included."""
-    return [
-        x
-        for frame, _ in traceback.walk_tb(error.__traceback__)
-        for x in list(frame.f_locals.values())
-    ]
+def _variables_at(error: BaseException, last: Iterable[Any]) -> list[Any]:
+    """The last simulation, and variables of the script that an exception ended."""
+    frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+    return [*last, *(x for frame in frames for x in list(frame.f_locals.values()))]

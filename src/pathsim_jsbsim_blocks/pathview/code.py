@@ -9,10 +9,10 @@ import ast
 import builtins
 import collections
 import copyreg
-import dataclasses
 import functools
 import math
 import operator
+import random
 import re
 import sys
 import types
@@ -26,9 +26,9 @@ from pathsim.blocks import Block
 from pathsim.events import Event
 
 from ..scripts.first_run import FirstRun
-from ..scripts.names import assignments, references
+from ..scripts.names import references
 from ..scripts.script import FOLLOWING
-from .expressions import Expressions, same
+from .expressions import Expressions
 from .shape import shortened
 from .sources import Found, first_line, of_class, of_function, one_line, text_of, with_comments
 from .variables import TAKEN, unique
@@ -38,6 +38,8 @@ _STAND_IN = re.compile(r"__part_(\d+)")
 _DEFINITION = re.compile(r"(#.*\n)*(@|def |class )")
 _SCALARS = {np.dtype(code).type for code in "?bBhHiIlLqQefdFD"}
 _CONTAINERS = (list, tuple, dict, set, np.ndarray)
+# by the generators behind their functions
+_SHARED: dict[int, Any] = {id(m.random.__self__): m for m in (np.random, random)}
 _LOCALS = {"globals", "locals", "vars", "eval", "exec"}
 
 
@@ -131,15 +133,12 @@ class Code:
             raise Unwritable("PathView has no names for connections")
         if isinstance(value, types.ModuleType):
             return self._module(value, wish)
+        if text := self._imported(value):
+            return text
         if isinstance(value, types.MethodType):
             owner = value.__self__
             text = self.expression(owner, type(owner).__name__.lower())
-            if getattr(owner, value.__func__.__name__, None) == value:
-                return f"{text}.{value.__func__.__name__}"
-            partial = self.expression(functools.partial, "partial")
-            return f"{partial}({self.expression(value.__func__, wish)}, {text})"
-        if text := self._imported(value):
-            return text
+            return f"{text}.{value.__func__.__name__}"
         if _is_lambda(value):
             return self._function(value)
         return self._defined(value, getattr(value, "__name__", wish))
@@ -235,18 +234,16 @@ class Code:
         if not _scalar(value):
             self._texts[id(value)] = name, value
         self._needs.append(piece.needs)
-        if isinstance(value, types.FunctionType) and not _is_lambda(value):
-            self._located(piece, value)
-            lines = [self._function(value, name)]
-            lines += [f"{name}.{k} = {self._attribute(v, k)}" for k, v in vars(value).items()]
+        # one with a cache gives the same without it
+        cached = isinstance(value, functools._lru_cache_wrapper)
+        function: Any = value.__wrapped__ if cached else value
+        if isinstance(function, types.FunctionType) and not _is_lambda(function):
+            found = of_function(function)
+            if found and function.__code__.co_filename == str(self.script.path):
+                piece.line, piece.end = function.__code__.co_firstlineno, found.node.end_lineno
+            lines = [self._function(function, name)]
+            lines += [f"{name}.{k} = {self._attribute(v, k)}" for k, v in vars(function).items()]
             piece.text = "\n".join(lines)
-        elif isinstance(value, functools._lru_cache_wrapper):
-            inside: Any = value.__wrapped__
-            self._located(piece, inside)
-            cached = self.expression(functools.lru_cache, "lru_cache")
-            given = ", ".join(f"{k}={v!r}" for k, v in value.cache_parameters().items())
-            text = self._function(inside, name)
-            piece.text = f"{text}\n{name} = {cached}({given})({name})"
         elif isinstance(value, type):
             self._class(value, name, piece)
         elif _is_lambda(value):
@@ -265,13 +262,6 @@ class Code:
         self._needs.pop()
         self._need(name)
         return name
-
-    def _located(self, piece: Piece, value: Any) -> None:
-        code = value.__code__
-        if code.co_filename == str(self.script.path):
-            piece.line = code.co_firstlineno
-            found = of_function(value)
-            piece.end = (found.node.end_lineno if found else 0) or 0
 
     def _as_written(self, name: str) -> bool:
         """Define a variable by its statement in the script, if this gives the live value."""
@@ -316,6 +306,8 @@ class Code:
     def _module(self, module: types.ModuleType, wish: str) -> str:
         if self.script.is_beside(module.__name__):
             return self._defined(module, wish)
+        if module is np.random:
+            return "np.random"
         for name, piece in self._pieces.items():
             if piece.text in (f"import {module.__name__}", f"import {module.__name__} as {name}"):
                 self._need(name)
@@ -340,6 +332,8 @@ class Code:
             if self.expressions.imported(held) and self._as_written(held):
                 self._need(held)
                 return held
+        if shared := _SHARED.get(id(getattr(value, "__self__", None))):
+            return f"{self._module(shared, 'random')}.{value.__name__}"
         if not isinstance(path, str) or module is None or self.script.is_beside(name or ""):
             return ""
         top, *rest = path.split(".")
@@ -370,7 +364,6 @@ class Code:
         if found is None:
             what = "a lambda" if not name else f"function {function.__name__!r}"
             raise Unwritable(f"the source of {what} cannot be told; give it lines of its own")
-        self.script.note_files(function)
         cells = dict(zip(code.co_freevars, function.__closure__ or (), strict=True))
         new: dict[ast.AST, str] = {}
         # a default value that is a block is found when it is used
@@ -458,30 +451,14 @@ class Code:
         _Names(self, tree.node, namespace, cells).put(new)
         text = re.sub(rf"(class\s+){kind.__name__}\b", rf"\g<1>{name}",
                       text_of(tree, new, decorated=True), count=1)  # fmt: skip
-        text = with_comments(tree, text)
         if path == str(self.script.path):
             piece.line, piece.end = tree.node.lineno, tree.node.end_lineno or 0
-        piece.text = "\n".join([text, *self._changed(kind, name, tree.node)])
-
-    def _changed(self, kind: type, name: str, source: ast.ClassDef) -> Iterator[str]:
-        """Assignments of numbers and texts of a class that are not as its source has them."""
-        written = {target.id: value for s in source.body for target, value in assignments(s)}
-        for attribute, value in list(vars(kind).items()):
-            if _scalar(value) and not attribute.endswith("_"):  # of Python
-                node = written.get(attribute)
-                if node is None or not self.expressions.gives(node, value):
-                    yield f"{name}.{attribute} = {self.expression(value, attribute)}"
+        piece.text = with_comments(tree, text)
 
     # objects --------------------------------------------------------------------------------------
 
     def _object(self, value: Any, name: str, piece: Piece) -> None:
         """An object as pickle would rebuild it."""
-        if made := _built_from_fields(value):
-            kind = self.expression(type(value), type(value).__name__)
-            given = ", ".join(f"{k}={self._attribute(v, k)}" for k, v in made.items())
-            piece.text = f"{name} = {kind}({given})"
-            if not _STAND_IN.search(given):
-                return
         try:
             reduced = value.__reduce_ex__(4)
         except Exception as error:
@@ -584,20 +561,6 @@ def _numbers(value: Any) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_numbers, value))}]"
     return _scalar(value)
-
-
-def _built_from_fields(value: Any) -> dict[str, Any]:
-    """The fields of a dataclass that differ from their defaults, if they give the value."""
-    if not dataclasses.is_dataclass(value) or isinstance(value, type):
-        return {}
-    fields = [f for f in dataclasses.fields(value) if f.init and hasattr(value, f.name)]
-    given = {f.name: getattr(value, f.name) for f in fields}
-    given = {f.name: v for f, v in zip(fields, given.values(), strict=True)
-             if not same(v, f.default)}  # fmt: skip
-    try:
-        return given if same(type(value)(**given), value) else {}
-    except Exception:
-        return {}
 
 
 def _is_lambda(value: Any) -> bool:

@@ -92,20 +92,16 @@ def script_model(
     with _ONE_AT_A_TIME:
         process = surroundings()
         first_run = FirstRun(script, lambda s: _proven(s, process, existing, check))
-    notes = [(line, f"the model opens {name!r}, which it finds only if it is started in the "
-              "script's directory") for name, line in first_run.files.items()]  # fmt: skip
-    start = first_run.lines[-1] if first_run.lines else 1
+    start, notes = first_run.lines[-1] if first_run.lines else 1, list[str]()
     if first_run.generators.drawn:
-        notes.append((start, "random numbers without a seed that the script has drawn are fixed in "
-                      "the model: it flies the same in each run"))  # fmt: skip
+        notes.append("random numbers without a seed that the script has drawn are fixed in the "
+                     "model: it flies the same in each run")  # fmt: skip
     if rest := first_run.left_out():
         what = ", ".join(f"line {line}: {text}" for line, text in rest)
-        notes.append(
-            (start, f"the model is the diagram of the first run (line {start}); not in it: {what}")
-        )
-    for line, text in notes:
+        notes.append(f"the model is the diagram of the first run (line {start}); not in it: {what}")
+    for text in notes:
         # at the script's line: the caller's would be of the command line
-        warnings.warn_explicit(text, UserWarning, str(first_run.path), line)
+        warnings.warn_explicit(text, UserWarning, str(first_run.path), start)
     return first_run.result
 
 
@@ -147,12 +143,8 @@ def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
     part = diagram.parts[found.variable].value
     built = script.built_at(part)
     place = script.last_mention(*script.names_of(part), script.target(part)) or built
-    why = "it depends on something that the model does not have, such as random numbers without "
-    why += "a seed"
-    if script.generators.set:
-        modules = " and ".join(sorted(script.generators.set))
-        why += f", or the state of the generator of {modules}, which the script has set: give "
-        why += "functions a generator of their own, numpy.random.default_rng(1)"
+    why = "it depends on something that the model does not have, such as the state of a generator "
+    why += "of random numbers"
     if place is not built:
         why = f"line {getattr(place, 'lineno', 0)} may change it after it is built"
     if script.states:

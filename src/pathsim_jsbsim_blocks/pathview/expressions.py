@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import cmath
 import dataclasses
-import functools
 import math
 import types
 from collections.abc import Mapping
@@ -25,6 +24,7 @@ _PLAIN = (
 )  # fmt: skip
 _BUILTINS = (abs, bool, complex, dict, float, int, len, list, max, min, range, round, set, sorted,
              str, sum, tuple)  # fmt: skip
+_KNOWN: dict[str, Any] = {function.__name__: function for function in _BUILTINS}
 # functions of numpy that read files: their results are written
 _READERS = ("load", "loadtxt", "genfromtxt", "fromfile", "fromregex", "memmap")
 _DATA = (bool, int, float, complex, str, bytes, type(None), np.generic)
@@ -130,7 +130,7 @@ class Expressions:
         value = self._found(function)
         if value is None and isinstance(function, ast.Attribute):  # a method of an array
             return all(map(self._is_plain, ast.walk(function.value)))
-        described = dataclasses.is_dataclass(value) and not self._script.is_beside(value.__module__)
+        described = isinstance(value, type) and dataclasses.is_dataclass(value)
         return _is_mathematical(value) or (described and not issubclass(value, Block))
 
     def _found(self, node: ast.AST) -> Any:
@@ -139,16 +139,11 @@ class Expressions:
             return getattr(self._found(node.value), node.attr, None)
         if not isinstance(node, ast.Name):
             return None
-        return self._script.namespace.get(node.id, _known().get(node.id))
+        return self._script.namespace.get(node.id, _KNOWN.get(node.id))
 
     def _value(self, node: ast.expr) -> Any:
         code = compile(ast.Expression(node), "expression", "eval", dont_inherit=True)
         return eval(code, dict(self._script.namespace))
-
-
-@functools.cache
-def _known() -> dict[str, Any]:
-    return {f.__name__: f for f in _BUILTINS}
 
 
 def _is_mathematical(value: Any) -> bool:

@@ -66,7 +66,6 @@ class FirstRun(Script):
         self.lines: list[int] = []  # of the script in the frames around the run, outermost first
         # method and line of calls before the run that change the simulation's state
         self.states: list[tuple[str, int | None]] = []
-        self.files: dict[str, int] = {}  # that functions name by a relative path, with the line
         self.result: Any = None
         self.generators: SharedGenerators  # what has become of them when the run begins
         self._parents = {
@@ -244,14 +243,6 @@ class FirstRun(Script):
         """The attributes of a module that the script uses."""
         nodes = (n for n in ast.walk(self.tree) if isinstance(n, ast.Attribute))
         return sorted({n.attr for n in nodes if getattr(n.value, "id", "") == name})
-
-    def note_files(self, function: Any) -> None:
-        """Note the files that a function of the model finds only in this directory."""
-        for text in function.__code__.co_consts:
-            if isinstance(text, str) and "." in text and "\0" not in text:
-                path = Path(text)
-                if not path.is_absolute() and path.is_file():
-                    self.files[text] = function.__code__.co_firstlineno
 
     def target(self, value: Any) -> str:
         """The variable, attribute or key to which the call that built an object is assigned."""

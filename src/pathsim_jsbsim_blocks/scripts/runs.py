@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import inspect
+import itertools
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -133,33 +134,22 @@ def intercepted_runs(
     return replaced_runs(around, *methods)
 
 
-@dataclass
-class Runs:
-    """How many runs have begun."""
+def with_duration(duration: float | None) -> contextlib.AbstractContextManager[None]:
+    """Context in which the one run of a script has a duration, if one is given.
 
-    begun: int = 0
-
-
-@contextlib.contextmanager
-def with_duration(duration: float | None) -> Iterator[Runs]:
-    """Context in which the one run of a script, with ``Simulation.run`` or `fly`, has a duration.
-
-    A second run is refused. With None, runs are counted only.
+    A second run is refused.
     """
-    if duration is not None:
-        duration = number("duration", positive("duration", duration))
-    runs = Runs()
+    if duration is None:
+        return contextlib.nullcontext()
+    seconds, runs = number("duration", positive("duration", duration)), itertools.count()
 
     def begin(run: Beginning) -> None:
-        runs.begun += 1
-        if duration is not None:
-            if runs.begun > 1:
-                why = f"which of its runs is to last {duration:g} s is not clear"
-                refuse("duration", duration, f"the script runs more than once: {why}")
-            run.arguments["duration"] = duration
+        if next(runs):
+            why = f"which of its runs is to last {seconds:g} s is not clear"
+            refuse("duration", duration, f"the script runs more than once: {why}")
+        run.arguments["duration"] = seconds
 
-    with intercepted_runs(begin):
-        yield runs
+    return intercepted_runs(begin)
 
 
 def with_progress() -> contextlib.AbstractContextManager[None]:
