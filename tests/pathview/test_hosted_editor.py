@@ -27,7 +27,7 @@ light = [m for m in ("pathview", "pandas", "joblib") if m in sys.modules]
 
 from pathlib import Path
 from pathsim_jsbsim_blocks.errors import DiagramError
-from pathsim_jsbsim_blocks.pathview.generate import to_python
+from pathsim_jsbsim_blocks.pathview.generate import checked, to_python
 from pathsim_jsbsim_blocks.pathview.pvm import read
 from pathsim_jsbsim_blocks.pathview.toolboxes import registry_for
 from pathsim_jsbsim_blocks.pathview.toolboxes import OURS
@@ -37,7 +37,8 @@ runs = []
 for path in map(Path, sys.argv[1:]):
     content = read(path)
     try:
-        code = to_python(content, registry_for(content, path), path)
+        registry = registry_for(content, path)
+        code = to_python(checked(content, registry, path), registry, path)
         namespace = {"__name__": "hosted"}
         exec(code, namespace)
     except (DiagramError, ImportError):

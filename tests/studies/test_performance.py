@@ -30,7 +30,14 @@ from pathsim_jsbsim_blocks.studies.performance import (
 
 pandas = pytest.importorskip("pandas")
 
-C172P = {"aircraft": "c172p", "root": None, "altitude": 5000.0, "weight": None, "flaps": None}
+C172P = {
+    "aircraft": "c172p",
+    "root": None,
+    "create": None,
+    "altitude": 5000.0,
+    "weight": None,
+    "flaps": None,
+}
 
 
 def plane_of(aircraft, altitude=0.0, **task):

@@ -126,9 +126,10 @@ class Hold(SampledLaw):
     def gains_of(self, *names: str) -> tuple[Any, ...]:
         """Gains of the loops, at the nominal point of a schedule."""
         self._schedule = schedule_of(self.gains)
+        gains = loop_gains(self.gains, *names)
         parts = self.gains.values() if isinstance(self.gains, Mapping) else [self.gains]
         self.tuned_for = sorted({table.aircraft for table in map(named, parts) if table})
-        return loop_gains(self.gains, *names)
+        return gains
 
     @property
     def scheduled(self) -> bool:
