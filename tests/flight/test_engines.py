@@ -384,6 +384,16 @@ def test_so_is_one_of_roll_or_yaw(tmp_path, command):
     assert (error.reason, error.command) == ("no effect", command)
 
 
+def test_a_propeller_without_inertia_is_the_reason_at_any_speed(tmp_path):
+    thin = (outside.BUNDLED / "engine/prop_75in2f.xml").read_text(encoding="utf-8")
+    thin, number = re.subn(r"<ixx>.*?</ixx>", "<ixx> 0.0 </ixx>", thin)
+    assert number == 1
+    motor = outside.ELECTRIC.format(120_000.0)
+    files = {"engine/eng_io320.xml": motor, "engine/prop_75in2f.xml": thin}
+    root = outside.changed(tmp_path, "c172x", files=files)
+    assert {refused(root, speed=speed).reason for speed in (70, 90, 110)} == {"propeller"}
+
+
 def test_a_model_without_aerodynamics_and_a_rotorcraft_are_called_so(tmp_path):
     empty = r"<aerodynamics>.*</aerodynamics>", "<aerodynamics></aerodynamics>"
     assert refused(outside.changed(tmp_path, "c172x", empty)).reason == "aerodynamics"

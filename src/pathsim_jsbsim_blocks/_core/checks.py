@@ -194,7 +194,7 @@ def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:
     """``value`` if it is one of ``choices``; the error names them all and the nearest."""
     choices = list(choices)
     if isinstance(value, str) and value in choices:
-        return value
+        return str(value)
     close = did_you_mean(nearest(str(value), choices, 1))
     known = ", ".join(map(repr, choices))
     refuse(parameter, value, f"{parameter} must be one of {known}, not {value!r}{close}")

@@ -155,7 +155,9 @@ def values_of(option: str, items: Iterable[str]) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            refuse(option, item, f"--{option} needs PROPERTY=VALUE with a number, not {item!r}")
+            alone = "; missing goes alone, and --set changes its zeros" if item == "missing" else ""
+            why = f"--{option} needs PROPERTY=VALUE with a number, not {item!r}{alone}"
+            refuse(option, item, why)
     return values
 
 

@@ -123,8 +123,8 @@ def _not_stopped(name: str, aircraft: str, engine: Engine) -> Check:
 def cannot_stop(engine: Engine) -> str:
     """Why an engine that follows its throttle cannot be stopped."""
     return (
-        f"engine {engine.number} is {engine.type}, and JSBSim gives it the power of its throttle, "
-        f"running or not; fcs/throttle-cmd-norm[{engine.number}] of 0 is what stops it"
+        f"engine {engine.number} is {engine.type}, which nothing stops but its throttle, "
+        f"fcs/throttle-cmd-norm[{engine.number}]"
     )
 
 

@@ -146,8 +146,9 @@ class _Responses:
         for name, kinks in zip(self._names, kinked.T, strict=True):
             if np.any(kinks > _NOT_LINEAR) and not np.any(kinks <= _NOT_LINEAR):
                 why = f"up and down are not opposite in any response to {name!r}: it is at the end "
-                why += "of its range, or the control system has a step there; leave that out of the"
-                raise no_model(self._plane, "limit", f"{why} inputs", name)
+                why += "of its range, or the control system has a step there; leave that out of the "
+                why += "inputs, or use method='algebraic'"
+                raise no_model(self._plane, "limit", why, name)
 
     def _numbers(self, which: Callable[[Channel], bool]) -> list[int]:
         """Numbers of the signals that are of a kind and not mute."""

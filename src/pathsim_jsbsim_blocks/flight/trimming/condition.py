@@ -195,7 +195,7 @@ class TrimCondition:
     coordinated: bool = False
 
     def __post_init__(self) -> None:
-        one_of("mode", self.mode, [*MODES, "glide", "none"])
+        self._put("mode", one_of("mode", self.mode, [*MODES, "glide", "none"]))
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
             bounds = _BOUNDS.get(f.name)

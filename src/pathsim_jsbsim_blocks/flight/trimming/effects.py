@@ -42,7 +42,7 @@ class Effect(NamedTuple):
     acceleration: str
     # change of this acceleration per 1 of the command
     size: float
-    # whether it changes any acceleration
+    # whether that is more than the search's tolerance
     moves: bool
     # whether the model writes the command itself, so that nobody else can
     written_by_model: bool
@@ -78,9 +78,9 @@ def effects(flight: SteadyFlight, x: np.ndarray, airframe: Airframe) -> list[Eff
         i, y = flight.names.index(name), x.copy()
         step = _STEP if x[i] + _STEP <= flight.high[i] else -_STEP
         y[i] += step
-        change = flight.settled(y) - before
-        size = float(change[flight.used.index(acceleration)]) * RESIDUALS[acceleration] / step
-        moves = not float(abs(change).max()) <= _NONE  # NaN is an effect
+        change = float((flight.settled(y) - before)[flight.used.index(acceleration)])
+        size = change * RESIDUALS[acceleration] / step
+        moves = not abs(change) <= _NONE  # NaN is an effect
         own = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
         found.append(Effect(command, tuple(names), acceleration, size, moves, own))
     return found
@@ -114,9 +114,11 @@ def model_fault(
         if effect.moves or remains <= 1.0 or not is_cause:
             continue
         names = " to ".join(dict.fromkeys((effect.properties[0], effect.properties[-1])))
-        why = f"the {effect.command} command, {names}, moves nothing"
+        why = f"the {effect.command} command, {names}, does not change {effect.acceleration}"
         if effect.written_by_model:
             why += ": the model writes it itself"
+        elif effect.command in ("roll", "yaw"):
+            why += " (mode='longitudinal' leaves roll and yaw out)"
         return failure(
             airframe,
             condition,

@@ -74,8 +74,9 @@ _STEADY_STATE = 150
 # steps that JSBSim's integrators remember at most
 _HISTORY = 5
 
-# rows of steps in which an engine with propeller settles, and how often
-_ROW = 40
+# rows of steps in which an engine with propeller settles, and how often; an odd number shows one
+# that jumps to and fro in each step
+_ROW = 41
 _ROWS = 60
 
 # how often propellers may settle anew to hold a state found elsewhere
@@ -88,6 +89,9 @@ _ROWS_AT_FIXED_PITCH = 10
 # per row up to which the propellers have settled all the same
 _ROWS_OF_A_ROUND = 12
 _ROUND = 1e-4
+
+# relative change in the last row of a propeller without inertia (X8: 1)
+_JUMP = 0.5
 
 # s, in which a starter has an engine running if it ever does (p51d: 0.3)
 _CRANKING = 2.0
@@ -213,8 +217,8 @@ class SteadyFlight:
         self._settled_at: float | None = None
         # JSBSim's own settling, in steps of 0.5 s, ends beside the equilibrium of fast propellers
         self.leaps = True
-        # whether they have settled, as far as tried
-        self.has_settled = True
+        # whether they have settled, as far as tried, and whether they ever jumped to and fro instead
+        self.has_settled, self.jumps = True, False
 
     @property
     def leaves_traces(self) -> bool:
@@ -353,7 +357,7 @@ class SteadyFlight:
         """Let the propellers settle in held flight."""
         tolerance = min(max(1e-10 * residual, 1e-10), 1e-8)
         rows: list[list[float]] = []
-        self.has_settled = False
+        self.has_settled, change = False, 0.0
         with self._airframe.held():
             self._start_engines()
             self._spin_at_fixed_pitch()
@@ -382,6 +386,7 @@ class SteadyFlight:
                     self.leaps &= not goes_round
                     now = again
                 before = now
+            self.jumps |= change > _JUMP
 
     def _start_engines(self) -> None:
         """Start engines that have stopped, as at a low throttle of an earlier guess."""

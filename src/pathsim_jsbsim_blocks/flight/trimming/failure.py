@@ -52,13 +52,13 @@ def failure(
         "thrust": thrust,
         "alpha limit": f"alpha ran to the end of [{alpha_min:.4g}, {alpha_max:.4g}] deg",
         "elevator": "the pitch trim ran to the end of [-1, 1]",
-        "propeller": "no control ran out, but a propeller does not settle",
+        "propeller": "a propeller does not settle (nor ever one whose file has an ixx of 0)",
         "no convergence": "no control ran out, but the search did not converge",
     }
     why = why or limits.get(reason, f"the {reason} ran to the end of its range")
     if limit is not None:
         why += f", {limit + 0.0:.4g}"
-    if not all(map(math.isfinite, residuals.values())) and (zeros := airframe.created_as_zero()):
+    if zeros := airframe.created_as_zero():
         why += f" ({zeros})"
     left = ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
     return TrimError(

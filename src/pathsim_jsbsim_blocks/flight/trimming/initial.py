@@ -123,8 +123,7 @@ def engines_off(
             stopped = stopped | engines - {int(value)}
     for engine in airframe.engine_list if stopped else ():
         if engine.number in stopped and engine.follows_throttle:
-            why = f"engines_off={condition.engines_off!r}: {cannot_stop(engine)}"
-            refuse("engines_off", condition.engines_off, why)
+            refuse("engines_off", condition.engines_off, cannot_stop(engine))
     return frozenset(stopped)  # type: ignore[arg-type]
 
 

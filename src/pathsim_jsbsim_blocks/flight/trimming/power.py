@@ -51,13 +51,14 @@ def no_fuel(
     numbers = ", ".join(str(engine.number) for engine in engines)
     why = f"no fuel for engine{'s' * (len(engines) > 1)} {numbers}: "
     why += ", ".join(f"{name} = {x:.3g}" for name, x in {**shut, **empty}.items())
-    why += " (the model shuts these tanks)" if shut else ""
+    why += " (shut by the model or the setup: open its valves)" if shut else ""
     # tanks of other engines are none of its valves
     fed = {tank for engine in airframe.engine_list for tank in engine.tanks}
     others = [name for i, name in enumerate(airframe.tanks) if i not in fed and fdm[name] > 0.0]
     if others:
         why += f"; {', '.join(others)} hold fuel that the model's own fuel system does not pass on"
-    why += " (fuel=[...] of the condition fills tanks, engines_off names engines without)"
+    why += " (fuel=[...] of the condition fills tanks)" if empty and not others else ""
+    why += "; engines_off names engines without fuel"
     reason = "fuel valve" if shut or others else "fuel"
     return failure(
         airframe,

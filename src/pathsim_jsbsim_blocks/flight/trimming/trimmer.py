@@ -304,9 +304,8 @@ class Trimmer:
     ) -> tuple[TrimState, HandsOff | None]:
         """The state at which a search has ended, if it is a trim that holds."""
         airframe, x = self.airframe, reached.x
-        if reached.size <= 1.0:
-            # a search that has used up its effort must not keep the propellers from settling
-            self._effort.steps = 0
+        # a search that has used up its effort must not keep the propellers from settling
+        self._effort.steps = 0
         # the last state written need not be the best
         r, residuals = flight.arrive(x)
         # the flight begins here: propellers have settled in steps of time
@@ -370,6 +369,8 @@ class Trimmer:
         residuals: dict[str, float],
     ) -> TrimError:
         """The error of a search that has not found a trim, and the limit at which it has ended."""
+        if flight.jumps:
+            return failure(self.airframe, condition, "propeller", residuals=residuals)
         name = binding(flight, condition, x, r)
         if not name and "throttle" in flight.names:
             other = _at_end(flight, x, r)
