@@ -101,6 +101,15 @@ def test_properties_from_outside_are_named_and_the_rest_is_with_zeros(tmp_path):
     assert report.faults == ()
 
 
+def test_a_reversed_aileron_is_a_fault_and_no_gains_are_offered(tmp_path):
+    command = r"<input>\s*fcs/aileron-cmd-norm\s*</input>", "<input>-fcs/aileron-cmd-norm</input>"
+    report = aircraft_report("c172p", changed(tmp_path, "c172p", command))
+    assert subjects(report) == ["signs"]
+    assert report.effects[2].size < 0.0
+    assert report.trim.steady
+    assert not any("pathsim-jsbsim gains" in line for line in str(report).splitlines())
+
+
 def test_sockets_and_files_that_are_closed_to_it(tmp_path):
     elements = (
         '<output name="127.0.0.1" type="SOCKET" protocol="UDP" port="5999" rate="1"/>'

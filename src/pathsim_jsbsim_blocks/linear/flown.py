@@ -146,7 +146,9 @@ class _Responses:
         for name, kinks in zip(self._names, kinked.T, strict=True):
             if np.any(kinks > _NOT_LINEAR) and not np.any(kinks <= _NOT_LINEAR):
                 why = f"up and down are not opposite in any response to {name!r}: it is at the end "
-                why += "of its range, or the control system has a step there; leave that out of the "
+                why += (
+                    "of its range, or the control system has a step there; leave that out of the "
+                )
                 why += "inputs, or use method='algebraic'"
                 raise no_model(self._plane, "limit", why, name)
 

@@ -26,7 +26,9 @@ _ADVICE = {
     "fuel": "fill the tanks: --set PROPERTY=LB (setup), or fuel=[...] of the condition",
     "fuel valve": "find the model's cocks, pathsim-jsbsim properties, and open them: --set (setup)",
     "commands": "see what moves the surfaces, pathsim-jsbsim properties NAME fcs, and command that",
+    "signs": "negate them in the model's XML: gains and holds go by the signs of JSBSim's models",
     "no effect": "see the commands above",
+    "propeller": "give each <propeller> a moment of inertia, <ixx>, or try other conditions",
     "mixture": "set that mixture: --set (setup)",
     "rotorcraft": "start it with mode='none', and fly it with a controller of your own",
     "aerodynamics": "start it with mode='none'",
@@ -34,6 +36,9 @@ _ADVICE = {
     "hands off": "fly it with gains designed for it, or change its load (fuel, payload)",
     "linear model": "use the algebraic one (--method algebraic), or another airspeed",
 }
+
+# of the accelerations of positive commands
+_SIGNS = {"udot": 1.0, "qdot": -1.0, "pdot": 1.0, "rdot": -1.0}
 
 # modes that only integrate, or are not of the airframe
 _OTHERS = ("altitude", "heading", "position", "engine")
@@ -102,6 +107,7 @@ class AircraftReport:
         kinds = Counter(f"{engine.type}, {engine.thruster}" for engine in self.engines)
         states = [self.trim] if self.trim else []
         option = " --method algebraic" if self.method == "algebraic" else ""
+        subjects = [fault.subject for fault in self.faults]
         design = f"pathsim-jsbsim gains {self.aircraft}{option} designs them"
         return {
             "engines": [f"{number} {kind}" for kind, number in kinds.items()],
@@ -117,19 +123,14 @@ class AircraftReport:
             ],
             "hands off": [str(state.drift) for state in states],
             "modes": [_of_mode(mode) for mode in self.modes if mode.name not in _OTHERS],
-            "gains": [design] if self.method else [],
+            "gains": [design] if self.method and "signs" not in subjects else [],
         }
-
-
-def _acts(effect: Effect) -> bool:
-    """Whether a command changes the acceleration that it is for, by more than rounding."""
-    return effect.moves and not abs(effect.size) < 1e-6
 
 
 def _of_effect(effect: Effect) -> str:
     unit = "ft/s2" if effect.command == "throttle" else "rad/s2"
     size = f"{effect.acceleration} {effect.size:+.3g} {unit}"
-    return f"{effect.command} {size if _acts(effect) else 'none'}"
+    return f"{effect.command} {size if effect.moves else 'none'}"
 
 
 def _of_mode(mode: Mode) -> str:
@@ -251,9 +252,15 @@ def _moved(model: Mapping[str, Any], condition: TrimCondition) -> dict[str, Any]
     idle = [
         f"{effect.properties[0]} gives no {effect.acceleration}{own * effect.written_by_model}"
         for effect in effects
-        if not _acts(effect)
+        if not effect.moves
     ]
-    faults = (_fault("commands", "; ".join(idle)),) if idle else ()
+    turned = [
+        f"{effect.properties[0]} moves {effect.acceleration} the other way"
+        for effect in effects
+        if effect.moves and effect.size * _SIGNS[effect.acceleration] < 0.0
+    ]
+    texts = {"commands": "; ".join(idle), "signs": "; ".join(turned)}
+    faults = tuple(_fault(subject, text) for subject, text in texts.items() if text)
     return {"condition": condition, "effects": effects, "faults": faults}
 
 

@@ -217,7 +217,7 @@ class SteadyFlight:
         self._settled_at: float | None = None
         # JSBSim's own settling, in steps of 0.5 s, ends beside the equilibrium of fast propellers
         self.leaps = True
-        # whether they have settled, as far as tried, and whether they ever jumped to and fro instead
+        # whether they have settled, as far as tried, and whether they ever jumped instead
         self.has_settled, self.jumps = True, False
 
     @property
