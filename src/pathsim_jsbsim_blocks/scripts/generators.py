@@ -19,6 +19,7 @@ class SharedGenerators:
     """
 
     def __init__(self) -> None:
+        random.seed()  # a normal number that is left over would change no state
         np.random.seed()  # noqa: NPY002
         self.drawn, self.seed, self.set = False, None, set[str]()
         self._states = _states()
