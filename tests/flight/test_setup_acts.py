@@ -45,6 +45,8 @@ def test_a_wind_that_would_vanish_is_refused_however_it_comes(way):
         ("atmosphere/RH", 50.0, {}, "after the trim"),
         # JSBSim keeps it beside the state, which a trim makes
         ("ic/p-rad_sec", 0.1, {}, "mode='none'"),
+        ("ic/w-fps", 6.0, {}, "mode='none'"),
+        ("ic/vd-fps", -3.0, {}, "mode='none'"),
     ],
 )
 def test_what_no_longer_has_its_value_is_refused(name, value, more, instead):

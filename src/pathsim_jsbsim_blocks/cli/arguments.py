@@ -156,8 +156,9 @@ def values_of(option: str, items: Iterable[str]) -> dict[str, float]:
             values[name] = float(value)
         except ValueError:
             alone = "; missing goes alone, and --set changes its zeros" if item == "missing" else ""
-            why = f"--{option} needs PROPERTY=VALUE with a number, not {item!r}{alone}"
-            refuse(option, item, why)
+            refuse(
+                option, item, f"--{option} needs PROPERTY=VALUE with a number, not {item!r}{alone}"
+            )
     return values
 
 

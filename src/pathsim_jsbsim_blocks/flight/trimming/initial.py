@@ -153,6 +153,8 @@ def initialise(
     if fdm["ic/vw-mag-fps"]:
         # the wind of the previous trim would turn the nose
         fdm["ic/vw-mag-fps"] = fdm["ic/vc-kts"] = 0.0
+    if fdm["ic/w-fps"] and not fdm["ic/u-fps"]:  # of a setup; JSBSim loses the speed that follows
+        fdm["ic/u-fps"] = fdm["ic/w-fps"]
     put("ic/phi-deg", 0.0)
     put("ic/psi-true-deg", heading)
     if on_ground:

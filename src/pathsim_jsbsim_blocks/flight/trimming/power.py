@@ -57,8 +57,7 @@ def no_fuel(
     others = [name for i, name in enumerate(airframe.tanks) if i not in fed and fdm[name] > 0.0]
     if others:
         why += f"; {', '.join(others)} hold fuel that the model's own fuel system does not pass on"
-    why += " (fuel=[...] of the condition fills tanks)" if empty and not others else ""
-    why += "; engines_off names engines without fuel"
+    why += "; fuel=[...] of the condition fills tanks" if empty and not others else ""
     reason = "fuel valve" if shut or others else "fuel"
     return failure(
         airframe,
