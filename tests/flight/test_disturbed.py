@@ -73,9 +73,9 @@ def drive(kind, plan, i, system):
         return [reference, pid], [Connection(reference, pid["r"]), Connection(measured, pid["y"])]
     if kind == "hold":
         hold = (
-            PitchHold(theta_ref=2.0, authority=0.1, T=plan.T)
+            PitchHold(plan.aircraft, theta_ref=2.0, authority=0.1, T=plan.T)
             if i == 0
-            else RollHold(phi_ref=-3.0, authority=0.1, T=plan.T)
+            else RollHold(plan.aircraft, phi_ref=-3.0, authority=0.1, T=plan.T)
         )
         return [hold], [Connection(measured, hold[0]), Connection(system[2 + i], hold[1])]
     if kind == "feedback":

@@ -141,11 +141,12 @@ class SampleClock(Schedule):
         """Go on from ``now``, at any time."""
         self.ahead: Any = None
         self.now = now
-        self.reached, self.stepping, self.open = math.nan, False, False
-        self._wait()
+        self.leave()
 
-    def _wait(self) -> None:
-        """Find when the next instant is due."""
+    def _keep(self) -> None:
+        """What was sampled is final: wait for the next instant."""
+        if self.ahead and self.reached >= self.due:
+            self.now, self.ahead = self.ahead, None
         time, most = self.start + self.now[0] * self.period, 0.01 * self.period
         slack = 1e-13 + 1e-9 * abs(time)
         self.slack = slack = slack if slack < most else most
@@ -168,12 +169,6 @@ class SampleClock(Schedule):
         """Number of instants from the next one to ``t``."""
         return 1 + int((t - self.due) / self.period)
 
-    def _keep(self) -> None:
-        """What was sampled is final."""
-        if self.ahead and self.reached >= self.due:
-            self.now, self.ahead = self.ahead, None
-        self._wait()
-
     def leave(self) -> None:
         """The block comes into a simulation, at any time."""
         self._keep()
@@ -190,7 +185,7 @@ class SampleClock(Schedule):
         if not (self.due - 1.01 * self.period <= t < self.due and self.now[0]):
             self._keep()
             self.start = t - max(self.now[0] - 1, 0) * self.period
-            self._wait()
+            self._keep()
 
     def buffer(self, t: float) -> None:
         """A step starts at ``t``."""
@@ -412,7 +407,9 @@ class SampledPlant(SampledBlock):
             # a run begins at an instant: values may have been edited since the last one
             i, y, _ = clock.now
             clock.now = i, y, self.latch(t)
-        super().sample(t, dt)
+        # as `SampledBlock.sample`, whose call takes as long as this
+        if clock.stepping or not math.isnan(clock.reached):
+            clock.reached, clock.stepping, clock.open = t, False, False
 
 
 class SampledLaw(Parametric, SampledBlock):
