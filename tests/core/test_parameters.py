@@ -158,6 +158,25 @@ def test_an_error_of_a_users_build_takes_the_value_back_too():
     assert (block.factor, block.inverse) == (2.0, 0.5)
 
 
+def test_ctrl_c_while_a_value_is_tried_takes_it_back():
+    @dataclass(eq=False)
+    class Slow(Gain):
+        def build(self):
+            super().build()
+            if self.checked.factor == 3.0:
+                raise KeyboardInterrupt
+
+    block = Slow(2.0)
+    with pytest.raises(KeyboardInterrupt):
+        block.set(factor=3.0, weights=(5,))
+    assert (block.factor, block.weights, block.checked.factor, block.total) == (
+        2.0,
+        (1, 2),
+        2.0,
+        6.0,
+    )
+
+
 def test_a_linear_aircraft_stays_the_one_that_was_identified():
     plane = LinearAircraft("c172p", altitude=5000, speed=90, method="algebraic")
     plane.altitude = 5000

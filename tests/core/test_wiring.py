@@ -354,6 +354,32 @@ def test_gains_in_a_subsystem(model):
     assert said(Simulation([plane, box], wires, dt=1 / 120, log=False)) == expected
 
 
+@pytest.mark.parametrize("crossed", [False, True])
+def test_two_aircraft_in_a_subsystem_are_flown_by_different_ports(crossed):
+    light = Aircraft("c172p", altitude=5000, speed=90)
+    heavy = Aircraft("737", altitude=5000, speed=250, gear=1.0)
+    inside, outside = Interface(), Interface()
+    wires = [
+        Connection(inside[0], light["elevator"]),
+        Connection(inside[1], heavy["elevator"]),
+        Connection(light["theta", "q"], inside[0, 1]),
+        Connection(heavy["theta", "q"], inside[2, 3]),
+    ]
+    box = Subsystem([inside, light, heavy], wires)
+    wires = [Connection(outside[0, 1], box[0, 1]), Connection(box[:4], outside[:4])]
+    pair = Subsystem([outside, box], wires)
+    one, two = PitchHold(gains="c172p"), PitchHold(gains="737")
+    wires = [Connection(pair[0, 1], one["theta", "q"]), Connection(pair[2, 3], two["theta", "q"])]
+    wires += [Connection(one["elevator"], pair[int(crossed)])]
+    wires += [Connection(two["elevator"], pair[int(not crossed)])]
+    expected = [
+        "one has the gains of c172p, but flies heavy, which is 737",
+        "two has the gains of 737, but flies light, which is c172p",
+    ]
+    diagram = Simulation([pair, one, two], wires, dt=1 / 120, log=False)
+    assert said(diagram) == (expected if crossed else [])
+
+
 def test_two_aircraft_each_with_its_own_gains():
     light, heavy = (
         Aircraft("c172p", altitude=5000, speed=90),

@@ -127,7 +127,7 @@ class Parametric(Block):
         self.__dict__.update(values)
         try:
             self._configure()
-        except Exception:
+        except BaseException:
             self.__dict__.update(before)
             self._configure()
             raise

@@ -47,15 +47,16 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
     known = {id(block) for block in blocks}
     starts: set[tuple[int, int]] = set()
     ends: dict[tuple[int, int], tuple[Block, int]] = {}
-    leads: dict[Block, list[tuple[int, Block]]] = defaultdict(list)
-    # a subsystem and its interface are one
-    whole = {b.interface: b for b in blocks if isinstance(b, Subsystem)}
+    leads: dict[Block, list[tuple[int, Block, int]]] = defaultdict(list)
+    # what enters a subsystem comes out of its interface, and the reverse, at the same port
+    faces = {b: b.interface for b in blocks if isinstance(b, Subsystem)}
+    faces |= {inside: box for box, inside in faces.items()}
     for connection in connections:
         for source, i, target, j in _wires(connection):
             starts.add((id(source), i))
             if not (connection and source):
                 continue  # switched off: another wire may take its place
-            leads[whole.get(source, source)].append((i, whole.get(target, target)))
+            leads[source].append((i, faces.get(target, target), j))
             for block in (source, target):
                 if id(block) not in known:
                     known.add(id(block))
@@ -84,7 +85,7 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
             if (id(block), i) not in starts and not wired & {*_numbers([switch], block.inputs)}:
                 yield f"{_port(block, i, block.outputs)} goes nowhere: no wire leads from it"
         if models := getattr(block, "tuned_for", ()):
-            for plane in _flown(leads, block, _numbers(commands, block.outputs)):
+            for plane in _flown(leads, faces, block, _numbers(commands, block.outputs)):
                 if plane.model_name not in models:
                     whose = f"{name_of(block)} has the gains of {' and '.join(models)}"
                     yield f"{whose}, but flies {name_of(plane)}, which is {plane.model_name}"
@@ -92,13 +93,14 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
             yield f"{name_of(block)} blows nowhere: no wire leads from it"
 
 
-def _flown(leads: Any, block: Block, ports: list[int]) -> list[Any]:
+def _flown(leads: Any, faces: Any, block: Block, ports: list[int]) -> list[Any]:
     """The aircraft that outputs of a block lead to, through others without gains."""
-    reached = [target for i, target in leads[block] if i in ports]
-    for other in reached:  # it grows
+    reached = [(target, j) for i, target, j in leads[block] if i in ports]
+    for other, port in reached:  # it grows
         if not (hasattr(other, "model_name") or hasattr(other, "tuned_for")):
-            reached += [target for _, target in leads[other] if target not in reached]
-    return [other for other in reached if hasattr(other, "model_name")]
+            ways = [(b, j) for i, b, j in leads[other] if other not in faces or i == port]
+            reached += [way for way in ways if way not in reached]
+    return [other for other, _ in reached if hasattr(other, "model_name")]
 
 
 def _wires(connection: Connection) -> Iterator[tuple[Block, int, Block, int]]:
