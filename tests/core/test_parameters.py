@@ -163,13 +163,13 @@ def test_ctrl_c_while_a_value_is_tried_takes_it_back():
     class Slow(Gain):
         def build(self):
             super().build()
-            if self.checked.factor == 3.0:
+            if self._checked.factor == 3.0:
                 raise KeyboardInterrupt
 
     block = Slow(2.0)
     with pytest.raises(KeyboardInterrupt):
         block.set(factor=3.0, weights=(5,))
-    assert (block.factor, block.weights, block.checked.factor, block.total) == (
+    assert (block.factor, block.weights, block._checked.factor, block.total) == (
         2.0,
         (1, 2),
         2.0,
