@@ -18,7 +18,7 @@ REFUSED = {
     "--root": ("nowhere", "no folder 'nowhere/aircraft' with aircraft models"),
     "--save": ("nowhere/a.json", "nowhere' to write 'a.json' in"),
     "--csv": ("nowhere/a.csv", "nowhere' to write 'a.csv' in"),
-    "--resume": ("nowhere/a.txt", "no directory 'nowhere' to write 'a.txt' in"),
+    "--resume": ("nowhere/a.txt", "nowhere/a.txt' cannot be opened"),
     "--output": ("nowhere/a.pvm", "nowhere"),
     "--trust-toolbox": ("no such", "not 'no such'"),
     "--altitude": ("1e9", "altitude must lie in [-2000, 278386], not 1e+09"),

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import BlocksError, TrimError
+from ..errors import BlocksError, ParameterError, PropertyError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, has_retractable_gear
 from ..flight.engines import Engine
 from ..flight.fleet import GLIDES, TRIES, first_trim, prepared
@@ -165,6 +165,8 @@ def aircraft_report(
     ------
     AircraftError
         if there is no such model; whatever is wrong with one is in the report
+    ParameterError, PropertyError
+        for names and values of ``create`` that are not possible
     """
     file = ModelFile(aircraft, root)
     with warnings.catch_warnings():
@@ -176,6 +178,8 @@ def aircraft_report(
             tanks = tuple(map(airframe.fdm.get_property_value, airframe.tanks))
             flown = _flown(model, clean, airframe.engines > 0)
         except BlocksError as error:
+            if create and isinstance(error, (ParameterError, PropertyError)):
+                raise
             lacking = getattr(error, "missing", ())
             return AircraftReport(file.aircraft, (_fault("model", str(error)),), missing=lacking)
     values = create if isinstance(create, Mapping) else {}
