@@ -51,35 +51,56 @@ _RECORDED = {
     "g": "accelerations/gravity-ft_sec2",
 }
 
-_CHARTS = """
-stall KCAS: stall speed
-envelope KTAS: stall speed, throttle closed
-envelope: highest level Mach number; lowest level Mach number
-level KTAS: highest level speed; lowest level speed
-level lbf: thrust available; thrust required; thrust of level flight
-level hp: power available; power required
-climb ft/min: rate of climb; best rate of climb
-climb deg: climb angle; best angle of climb
-climb KCAS: Vx; Vy
-climb ft: absolute ceiling; service ceiling
-glide ft/min: sink rate; least sink rate
-glide: best glide ratio
-range lb/h: fuel flow; least fuel flow
-range nmi/lb: specific range; best specific range
-turn g: sustained load factor; instantaneous load factor
-turn g: sustained side load; instantaneous side load
-turn deg/s: sustained turn rate; instantaneous turn rate
-turn ft: sustained turn radius; instantaneous turn radius
-V-n KEAS: speed at the lift limit; VC; VD
-V-n g: gust load factor at VC; gust load factor at VD
-field ft: take-off distance; take-off ground roll; landing distance; landing ground roll
-terms 1/rad: lift slope
-terms: drag at zero lift; induced drag factor
-terms lbf: full thrust at Vy
-"""
-_LINES = (line.split(": ") for line in _CHARTS.strip().splitlines())
 # chart and unit of each quantity
-QUANTITIES = {n: (*at.split(), "")[:2] for at, names in _LINES for n in names.split("; ")}
+QUANTITIES = {
+    "stall speed": ("stall", "KCAS"),
+    "stall speed, throttle closed": ("envelope", "KTAS"),
+    "highest level Mach number": ("envelope", ""),
+    "lowest level Mach number": ("envelope", ""),
+    "highest level speed": ("level", "KTAS"),
+    "lowest level speed": ("level", "KTAS"),
+    "thrust available": ("level", "lbf"),
+    "thrust required": ("level", "lbf"),
+    "thrust of level flight": ("level", "lbf"),
+    "power available": ("level", "hp"),
+    "power required": ("level", "hp"),
+    "rate of climb": ("climb", "ft/min"),
+    "best rate of climb": ("climb", "ft/min"),
+    "climb angle": ("climb", "deg"),
+    "best angle of climb": ("climb", "deg"),
+    "Vx": ("climb", "KCAS"),
+    "Vy": ("climb", "KCAS"),
+    "absolute ceiling": ("climb", "ft"),
+    "service ceiling": ("climb", "ft"),
+    "sink rate": ("glide", "ft/min"),
+    "least sink rate": ("glide", "ft/min"),
+    "best glide ratio": ("glide", ""),
+    "fuel flow": ("range", "lb/h"),
+    "least fuel flow": ("range", "lb/h"),
+    "specific range": ("range", "nmi/lb"),
+    "best specific range": ("range", "nmi/lb"),
+    "sustained load factor": ("turn", "g"),
+    "instantaneous load factor": ("turn", "g"),
+    "sustained side load": ("turn", "g"),
+    "instantaneous side load": ("turn", "g"),
+    "sustained turn rate": ("turn", "deg/s"),
+    "instantaneous turn rate": ("turn", "deg/s"),
+    "sustained turn radius": ("turn", "ft"),
+    "instantaneous turn radius": ("turn", "ft"),
+    "speed at the lift limit": ("V-n", "KEAS"),
+    "VC": ("V-n", "KEAS"),
+    "VD": ("V-n", "KEAS"),
+    "gust load factor at VC": ("V-n", "g"),
+    "gust load factor at VD": ("V-n", "g"),
+    "take-off distance": ("field", "ft"),
+    "take-off ground roll": ("field", "ft"),
+    "landing distance": ("field", "ft"),
+    "landing ground roll": ("field", "ft"),
+    "lift slope": ("terms", "1/rad"),
+    "drag at zero lift": ("terms", ""),
+    "induced drag factor": ("terms", ""),
+    "full thrust at Vy": ("terms", "lbf"),
+}
 
 
 def reason_of(error: BlocksError) -> str:
