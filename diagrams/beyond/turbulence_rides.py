@@ -125,5 +125,5 @@ if __name__ == "__main__":
             f"from {n[settled].min():.2f} to {n[settled].max():.2f}"
         )
     _, w = signal(gust, "downward velocity")
-    print(f"vertical velocity of the air: {w.std():.1f} ft/s rms")
+    print(f"vertical velocity of the air: {(w**2).mean() ** 0.5:.1f} ft/s rms")
     show(figure(), "turbulence_rides")

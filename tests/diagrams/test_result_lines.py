@@ -431,7 +431,9 @@ SIGNALS = {
     "turbulence_rides": {
         **ride("controls fixed", 1, 3),
         **ride("autopilot", 2, 4),
-        "vertical velocity of the air: # ft/s rms": lambda f: [f["downward velocity"].std()],
+        "vertical velocity of the air: # ft/s rms": lambda f: [
+            math.sqrt(np.mean(f["downward velocity"] ** 2))
+        ],
     },
     "van_der_pol": {
         "amplitude #, period # s": van_der_pol,
