@@ -58,7 +58,7 @@ NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
     "blank": "AircraftError",
     "C130": "no convergence",
     "dr1": "no convergence",
-    "f22": "no convergence",
+    "f22": "no effect",  # its ailerons do not move, in plain JSBSim too
     "F450": "no effect",
     "fokker50": "thrust",
     "J246": "no effect",

@@ -304,8 +304,9 @@ class Trimmer:
     ) -> tuple[TrimState, HandsOff | None]:
         """The state at which a search has ended, if it is a trim that holds."""
         airframe, x = self.airframe, reached.x
-        # a search that has used up its effort must not keep the propellers from settling
-        self._effort.steps = 0
+        if reached.size <= 1.0:
+            # a search that has used up its effort must not keep the propellers from settling
+            self._effort.steps = 0
         # the last state written need not be the best
         r, residuals = flight.arrive(x)
         # the flight begins here: propellers have settled in steps of time
