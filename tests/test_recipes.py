@@ -125,8 +125,8 @@ def test_a_port(tree):
         '"thr_sat"), EXCESS),\n',
         '"thr_sat"), EXCESS),\n    "ny": Port("accelerations/Ny"),\n',
     )
-    for name in ("aircraft.py", "linear.py"):
-        edit(flight / name, "    nx, nz\n", "    nx, ny, nz\n")
+    for file in (flight / "aircraft.py", flight.parent / "linear" / "aircraft.py"):
+        edit(file, "    nx, nz\n", "    nx, ny, nz\n")
     promise(tree, "Aircraft")
     promise(tree, "LinearAircraft")
     run_tests(tree, *GUARDS, "tests/linear/test_every_block.py", "-k", "Aircraft or generated")

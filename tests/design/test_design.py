@@ -93,7 +93,7 @@ def test_a_hold_takes_them_as_they_are(designed):
 @pytest.mark.long
 def test_hysteresis_of_the_elevator_is_refused():
     there, create = condition("c172x")
-    with pytest.raises(DesignError, match="does not respond to 'elevator'") as error:
+    with pytest.raises(DesignError) as error:
         design_gains("c172x", there, create=create)
     assert error.value.aircraft == "c172x"
     assert error.value.reason == "no response"

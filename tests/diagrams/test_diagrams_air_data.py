@@ -87,5 +87,5 @@ def test_a_script_prints_its_numbers_and_saves_its_figures(name, tmp_path, monke
         assert lines["40,000"][2] == "237.3"
         assert "241.4" not in done.out
     else:
-        assert lines["80"][2:4] == ["1.05", "Pa"]
+        assert lines["80.00"][2:4] == ["1.05", "Pa"]
         assert (tmp_path / "isa_profile_troposphere.png").exists()

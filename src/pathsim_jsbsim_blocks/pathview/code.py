@@ -26,7 +26,7 @@ from pathsim.blocks import Block
 from pathsim.events import Event
 
 from ..scripts.first_run import FirstRun
-from ..scripts.names import references
+from ..scripts.names import assignments, references
 from ..scripts.script import FOLLOWING
 from .expressions import Expressions
 from .shape import shortened
@@ -453,7 +453,16 @@ class Code:
                       text_of(tree, new, decorated=True), count=1)  # fmt: skip
         if path == str(self.script.path):
             piece.line, piece.end = tree.node.lineno, tree.node.end_lineno or 0
-        piece.text = with_comments(tree, text)
+        piece.text = "\n".join([with_comments(tree, text), *self._changed(kind, name, tree.node)])
+
+    def _changed(self, kind: type, name: str, source: ast.ClassDef) -> Iterator[str]:
+        """Assignments of numbers and texts of a class that are not as its source has them."""
+        written = {target.id: value for s in source.body for target, value in assignments(s)}
+        for attribute, value in list(vars(kind).items()):
+            if _scalar(value) and not attribute.endswith("_"):  # of Python
+                node = written.get(attribute)
+                if node is None or not self.expressions.gives(node, value):
+                    yield f"{name}.{attribute} = {self.expression(value, attribute)}"
 
     # objects --------------------------------------------------------------------------------------
 
