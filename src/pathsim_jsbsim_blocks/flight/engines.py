@@ -7,6 +7,8 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import NamedTuple
 
+from .references import model_file
+
 # root elements of the files of engines and thrusters, and what they are
 _KINDS = {
     "piston_engine": "piston",
@@ -17,9 +19,6 @@ _KINDS = {
     "brushless_dc_motor": "electric",
     **{name: name for name in ("propeller", "nozzle", "direct", "rotor")},
 }
-
-# where JSBSim looks for engine files, the model's own folders first (FGPropulsion)
-_FOLDERS = ("Engines", "engines", "Engine", "engine")
 
 
 class Engine(NamedTuple):
@@ -108,9 +107,8 @@ def _kind(model: Path, part: _Part) -> str:
     """What an engine or thruster is, by an element in it or by the root of its file."""
     tags = part.tags
     if part.file:
-        folders = *(model.parent / folder for folder in _FOLDERS), model.parents[2] / "engine"
-        paths = (_with_suffix(folder / part.file) for folder in folders)
-        if file := next(filter(Path.is_file, paths), None):
+        file = model_file("engine", part.file, model.parent, model.parents[2])
+        if file.is_file():
             tags = *tags, _tag(file, file.stat().st_mtime_ns)
     return next((_KINDS[tag] for tag in tags if tag in _KINDS), "unknown")
 

@@ -22,6 +22,7 @@ _PROPERTIES = ("property", "p", "input", "independentVar")
 # sections of a model that it flies without
 _UNUSED = ("fileheader", "input", "output")
 
+# where JSBSim looks for engine files, the model's own folders first (FGPropulsion)
 _ENGINES = ("Engines", "engines", "Engine", "engine")
 
 
@@ -42,7 +43,7 @@ def references(model: Path, root: Path) -> list[str]:
         for name, number in content.properties:
             names[name.replace("#", number or engine)] = None
         for element, file, number in content.files:
-            included = _find(element, file, model.parent, root), number or engine
+            included = model_file(element, file, model.parent, root), number or engine
             if included[0].is_file() and included not in files:
                 files.append(included)
     return [name for name in names if "[]" not in name]
@@ -85,7 +86,7 @@ def _names(element: ET.Element) -> Iterator[str]:
             yield name[1]
 
 
-def _find(element: str, file: str, folder: Path, root: Path) -> Path:
+def model_file(element: str, file: str, folder: Path, root: Path) -> Path:
     """Where JSBSim looks for a file that an element names; one that is nowhere need not be."""
     name = file if file.endswith(".xml") else f"{file}.xml"
     folders = [folder]

@@ -44,7 +44,7 @@ class Effect(NamedTuple):
     size: float
     # whether that is more than the search's tolerance
     moves: bool
-    # whether the model writes the command itself, so that nobody else can
+    # whether the model writes the command itself, which overwrites other values
     written_by_model: bool
 
 
@@ -69,7 +69,7 @@ def command_effects(
 
 def effects(flight: SteadyFlight, x: np.ndarray, airframe: Airframe) -> list[Effect]:
     """The effects near a state of those commands that the search of a flight moves."""
-    found, before = [], flight.settled(x)
+    result, before = [], flight.settled(x)
     for command, unknowns, acceleration in _COMMANDS:
         name = next((name for name in unknowns if name in flight.names), "")
         names = throttles(airframe.engines) if name == "throttle" else [STATE[name]] if name else []
@@ -82,8 +82,8 @@ def effects(flight: SteadyFlight, x: np.ndarray, airframe: Airframe) -> list[Eff
         size = change * RESIDUALS[acceleration] / step
         moves = not abs(change) <= _NONE  # NaN is an effect
         own = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
-        found.append(Effect(command, tuple(names), acceleration, size, moves, own))
-    return found
+        result.append(Effect(command, tuple(names), acceleration, size, moves, own))
+    return result
 
 
 def model_fault(
