@@ -61,7 +61,7 @@ def test_a_diagram_is_flown_with_other_values(tmp_path, capsys):
     ("options", "said"),
     [
         (["--set", "hold.theta_rf=5"], "no parameter 'theta_rf'; did you mean 'theta_ref'"),
-        (["--set", "hold=5"], "'hold': it is of class PitchHold: set a parameter of it"),
+        (["--set", "hold=5"], "'hold': it is of class PitchHold: set one of its parameters"),
         (["--set", "hold.theta_ref"], "--set needs NAME=VALUE, such as hold.theta_ref=5"),
         (["--set", "sim.dt=-0.01"], "dt must be greater than 0"),
         (["--duration", "nan"], "duration must be finite"),
@@ -140,7 +140,9 @@ def test_the_run_of_a_users_script_takes_the_duration(run, tmp_path):
 def test_which_of_two_runs_is_meant_is_not_clear(run, tmp_path, capsys):
     (tmp_path / "own.py").write_text(USERS.format(run=run))
     assert main(["run", "own.py", "--duration", "5"]) == 1
-    assert "runs more than once: which of its runs is to last 5 s" in capsys.readouterr().err
+    assert (
+        "runs more than once: it is not clear which run should last 5 s" in capsys.readouterr().err
+    )
     assert main(["run", "own.py"]) == 0
 
 

@@ -33,7 +33,7 @@ from ._core.checks import (
 )
 from ._core.extras import required
 from ._core.pathsim_internals import port_names, port_number, port_reader, show, values
-from ._core.running import Pieces
+from ._core.running import SteppedRun
 from ._core.seeding import draws_from_shared, random_blocks, seed_blocks
 from ._core.wiring import contents, warn_of_wiring
 from .catalogue import find_diagram
@@ -153,7 +153,7 @@ class DiagramEnv(gymnasium.Env):
         flag("normalise", given["normalise"])
         steps = positive("duration", given["duration"]) / positive("step", given["step"])
         self._longest = math.ceil(steps * (1 - _ROUNDING))
-        self._pieces: Pieces | None = None
+        self._pieces: SteppedRun | None = None
         self._rows: list[list[float]] = []
         self._find({})
         self.action_space, self.observation_space = self._actions.space, self._observed.space
@@ -253,7 +253,7 @@ class DiagramEnv(gymnasium.Env):
                 warnings.filterwarnings("ignore", ".*acts at the next reset", RuntimeWarning)
                 for name, value in varied.items():
                     setattr(*self._places[name], value)
-        pieces, self._rows = Pieces(self.simulation), []
+        pieces, self._rows = SteppedRun(self.simulation), []
         seed_blocks(self._random, drawn)
         pieces.show()
         self._pieces = pieces

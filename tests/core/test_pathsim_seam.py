@@ -121,7 +121,7 @@ def test_a_piece_of_a_run_begins_as_a_run_does():
         return sim, scope, calls
 
     (sim, scope, calls), (other, again, late) = diagram(), diagram()
-    pieces = running.Pieces(other)
+    pieces = running.SteppedRun(other)
     for count in (1, 2, 3):
         sim.run(count * 0.25)
         assert pieces.run(count)

@@ -475,7 +475,7 @@ BAD = {
         changed("graph", connections=[wire("Step", "Out", -1)]),
         "'Step' has no output -1",
     ),
-    "two wires": (changed("graph", connections=[wire("Step", "Out")] * 2), "another wire already"),
+    "two wires": (changed("graph", connections=[wire("Step", "Out")] * 2), "is already connected"),
     "parameter": (
         changed("graph", "nodes", 0, params={"amplitude": "2 +"}),
         "block 'Step': parameter 'amplitude' is not a Python expression: '2 \\+'",

@@ -538,5 +538,5 @@ def test_functions_that_draw_from_a_seeded_generator(written, export):
         "sim = Simulation([a], [], log=False)\nsim.run(0.1)"
     )
     assert code(written(text)) == "np.random.seed(2)"
-    with pytest.raises(DiagramError, match="'a' flies otherwise in the model"):
+    with pytest.raises(DiagramError, match="'a' behaves differently in the model"):
         export(text.replace("a = ", "unused = np.random.rand()\na = "))

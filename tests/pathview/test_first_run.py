@@ -69,7 +69,7 @@ def test_settings_are_those_of_the_simulation_that_a_function_returns(written):
             [(12, "the loop runs the simulation again")],
         ),
         ("sim.run(1)\nother = Simulation([a], log=False)\nother.run(3)", [(14, "other.run()")]),
-        ("while sim.time < 1:\n    sim.timestep()", [(13, "how long timestep() goes on")]),
+        ("while sim.time < 1:\n    sim.timestep()", [(13, "the number of calls of timestep()")]),
         ("if __name__ == '__main__':\n    sim.run(1)\n    sim.plot()\n    print(s.read())", []),
     ],
 )

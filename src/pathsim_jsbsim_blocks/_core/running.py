@@ -202,7 +202,7 @@ class Steps:
         )
 
 
-class Pieces:
+class SteppedRun:
     """A run from the initial state, made in pieces; in between, values may be edited.
 
     Each piece is what ``sim.run(count * sim.dt)`` makes, bit for bit. The simulation, with a fixed

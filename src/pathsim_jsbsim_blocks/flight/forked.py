@@ -14,20 +14,20 @@ from typing import Any
 
 
 class Outcome(enum.Enum):
-    """What an action does to its process."""
+    """How a process ends that runs an action."""
 
-    ENDS = enum.auto()
-    KILLS = enum.auto()
-    GOES_ON = enum.auto()
+    OK = enum.auto()
+    CRASH = enum.auto()
+    TIMEOUT = enum.auto()
 
 
-def rehearse(action: Callable[[], Any], seconds: int) -> Outcome:
-    """What a forked child, which exits, shows of an action limited to a CPU time in s.
+def run_in_fork(action: Callable[[], Any], seconds: int) -> Outcome:
+    """Outcome of an action in a forked child whose CPU time is limited, in s.
 
-    It adds a few ms. On a platform without fork (Windows) the result is always `Outcome.ENDS`.
+    The fork takes a few ms. On a platform without it (Windows) the result is always `Outcome.OK`.
     """
     if not hasattr(os, "fork"):
-        return Outcome.ENDS
+        return Outcome.OK
     answer, tell = os.pipe()
     with warnings.catch_warnings():
         # fork warns about threads that the child lacks; it needs none
@@ -44,10 +44,10 @@ def rehearse(action: Callable[[], Any], seconds: int) -> Outcome:
         with contextlib.suppress(ChildProcessError):
             _, status = os.waitpid(child, 0)
     if ended:
-        return Outcome.ENDS
+        return Outcome.OK
     limits = signal.SIGXCPU, signal.SIGKILL
     over = os.WIFSIGNALED(status) and os.WTERMSIG(status) in limits
-    return Outcome.GOES_ON if over else Outcome.KILLS
+    return Outcome.TIMEOUT if over else Outcome.CRASH
 
 
 def _act(action: Callable[[], Any], seconds: int, tell: int) -> None:

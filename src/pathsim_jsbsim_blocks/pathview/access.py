@@ -17,8 +17,8 @@ _SAFE = ("GET", "HEAD")
 class Access:
     """Secrets of one server start: a token in the opened address, exchanged for a cookie.
 
-    Their values differ, so that the address, which other programs may see or log, is not a cookie.
-    ``served`` tells whether the page may open what a path names.
+    They differ because other programs may see or log the address. ``served`` tells whether the
+    page may open the file at a path.
     """
 
     def __init__(self, served: Callable[[str], bool]):
@@ -27,7 +27,7 @@ class Access:
         self._served = served
 
     def refusal(self, request: Any, page: bool) -> str:
-        """Why a request is refused, ``page`` if for an HTML page; empty if it may be answered."""
+        """Reason for refusing a request, ``page`` if it is for an HTML page; empty if allowed."""
         headers = request.headers
         # another site can make its own name resolve to this machine (DNS rebinding)
         if request.host.partition(":")[0] not in _NAMES:
@@ -44,23 +44,23 @@ class Access:
             if headers.get("Origin", absent) != _origin(request):
                 return "only the served page may call this"
         elif request.method not in _SAFE:
-            return "nothing to write here"
+            return "only GET and HEAD are allowed here"
         return self._bad_parameter(request) if page else ""
 
     def has_token(self, request: Any) -> bool:
         """Whether the address carries the token."""
-        given = request.args.get("token", "")
-        return request.method in _SAFE and compare_digest(given.encode(), self.token.encode())
+        token = request.args.get("token", "")
+        return request.method in _SAFE and compare_digest(token.encode(), self.token.encode())
 
     def set_cookie(self, request: Any, response: Any) -> None:
         """Let the page's own requests in: browsers keep cookies by host, for all its ports."""
         response.set_cookie(_cookie(request), self._session, httponly=True, samesite="Strict")
 
     def _has_cookie(self, request: Any) -> bool:
-        given = request.cookies.get(_cookie(request), "")
+        cookie = request.cookies.get(_cookie(request), "")
         # another port of this host is the same site: its pages send the cookie too
         return request.headers.get("Sec-Fetch-Site") in ("same-origin", "none") and compare_digest(
-            given.encode(), self._session.encode()
+            cookie.encode(), self._session.encode()
         )
 
     def _bad_parameter(self, request: Any) -> str:
@@ -85,7 +85,7 @@ def _cookie(request: Any) -> str:
 
 
 def _of_another_user(environ: dict[str, Any]) -> bool:
-    """Whether the connection's far end belongs to another user, where Linux can tell.
+    """Whether the client belongs to another user; False if the system cannot tell (not Linux).
 
     The browser's command line shows the token to every user of the machine, and a browser sends
     the cookie to servers of other users on other ports of this host.
@@ -103,7 +103,7 @@ def _of_another_user(environ: dict[str, Any]) -> bool:
     users = {
         int(row[7])
         for row in rows
-        # a socket that its program has closed has no inode, and shows root as its owner
+        # a socket closed by its program has no inode and lists root as its owner
         if row[1].endswith(theirs) and row[2].endswith(ours) and row[9] != "0"
     }
     if not users:  # some sandboxes show no connection at all

@@ -68,8 +68,8 @@ class Check:
                 self._parsed(f"setting {name!r}", settings[name])
         solver = settings.get("solver")
         if solver and not isinstance(getattr(pathsim.solvers, solver, None), type):
-            known = [n for n, v in vars(pathsim.solvers).items() if isinstance(v, type)]
-            self._refuse(f"unknown solver {solver!r}" + did_you_mean(nearest(solver, known)))
+            solvers = [n for n, v in vars(pathsim.solvers).items() if isinstance(v, type)]
+            self._refuse(f"unknown solver {solver!r}" + did_you_mean(nearest(solver, solvers)))
         self._ids()
         self._graph(self.content["graph"], None)
         for event in self.content["events"]:
@@ -79,22 +79,22 @@ class Check:
         raise DiagramError(reason, path=self.path)
 
     def _ids(self) -> None:
-        """PathView's converter looks the ends of a wire up in one table of all levels."""
-        known: dict[str, str] = {}
+        """Require unique ids: PathView's converter looks them up in one table for all levels."""
+        names: dict[str, str] = {}
         for node in (n for graph in graphs(self.content) for n in graph["nodes"]):
-            if node["id"] in known:
-                what = f"blocks {known[node['id']]!r} and {node['name']!r} have the same id"
-                self._refuse(f"{what} {node['id']!r}: a wire to it could mean either")
-            known[node["id"]] = node["name"]
+            if node["id"] in names:
+                what = f"blocks {names[node['id']]!r} and {node['name']!r} have the same id"
+                self._refuse(f"{what} {node['id']!r}, so their connections are ambiguous")
+            names[node["id"]] = node["name"]
 
     def _graph(self, graph: Json, parent: Json | None) -> None:
         if parent is None and graph["events"]:
             what = f"event {graph['events'][0]['name']!r} is in the graph"
-            self._refuse(f"{what}; those of the top level belong beside it, into 'events'")
+            self._refuse(f"{what}; events of the top level belong in the model's 'events'")
         interfaces = [n["name"] for n in graph["nodes"] if n["type"] == "Interface"]
         if parent is None and interfaces:
             what = f"block {interfaces[0]!r} is an Interface outside a subsystem"
-            self._refuse(f"{what}; PathView leaves it and its wires out")
+            self._refuse(f"{what}; PathView drops it and its connections")
         if len(interfaces) > 1 and parent is not None:
             what = f"subsystem {parent['name']!r} has {len(interfaces)} interfaces"
             self._refuse(f"{what}, {' and '.join(map(repr, interfaces))}; it can have one")
@@ -109,19 +109,19 @@ class Check:
             end = connection["targetNodeId"], connection["targetPortIndex"]
             if end in ends:
                 what = f"connection {connection['id']!r}: input {end[1]} of its target"
-                self._refuse(f"{what} has another wire already")
+                self._refuse(f"{what} is already connected")
             ends.add(end)
 
     def _node(self, node: Json) -> None:
-        what, kind, known = f"block {node['name']!r}", node["type"], self.registry["blocks"]
+        what, kind, blocks = f"block {node['name']!r}", node["type"], self.registry["blocks"]
         if kind != "Subsystem" and node.get("graph"):
             self._refuse(f"{what} has blocks inside but is not a Subsystem: {kind!r}")
         if node.get("graph"):
             self._graph(node["graph"], node)
         elif kind not in _EDITOR_BLOCKS:
-            if kind not in known:
+            if kind not in blocks:
                 self._refuse(f"{what}: {unknown_block(kind, self.registry)}")
-            self._parameters(what, node["params"], known[kind]["params"])
+            self._parameters(what, node["params"], blocks[kind]["params"])
 
     def _end(self, graph: Json, parent: Json | None, connection: Json, end: str, side: str) -> None:
         what = f"connection {connection['id']!r}"
@@ -131,28 +131,28 @@ class Check:
             self._refuse(f"{what}: no block {name!r}")
         ports = node[f"{side}s"]
         if node["type"] == "Interface" and parent is not None:
-            # the ports of an interface are those of its subsystem, seen from inside
+            # inside, the subsystem's inputs are outputs of its interface
             ports = parent["inputs" if side == "output" else "outputs"]
         if not isinstance(port, int) or not 0 <= port < len(ports):
             self._refuse(f"{what}: {node['name']!r} has no {side} {port!r}")
 
     def _event(self, event: Json) -> None:
-        what, kind, known = f"event {event['name']!r}", event["type"], self.registry["events"]
+        what, kind, events = f"event {event['name']!r}", event["type"], self.registry["events"]
         name = kind.rpartition(".")[2]
-        if name not in known:
-            hint = did_you_mean(nearest(name, known))
+        if name not in events:
+            hint = did_you_mean(nearest(name, events))
             self._refuse(f"{what}: PathView does not know {kind!r}{hint}")
-        self._parameters(what, event["params"], known[name]["params"])
+        self._parameters(what, event["params"], events[name]["params"])
 
-    def _parameters(self, what: str, params: Json, known: Sequence[str]) -> None:
+    def _parameters(self, what: str, params: Json, names: Sequence[str]) -> None:
         for name, value in params.items():
             if value in (None, "") or name.startswith("_"):
                 continue
-            if name not in known:
-                # leftovers of older versions, which PathView also drops
+            if name not in names:
+                # left over from older versions; PathView drops them too
                 warnings.warn(
                     f"{self.path}: {what}: no parameter {name!r}, left out"
-                    + did_you_mean(nearest(name, known, 1)),
+                    + did_you_mean(nearest(name, names, 1)),
                     stacklevel=2,
                 )
             else:
@@ -162,7 +162,7 @@ class Check:
         source = str(value).strip() if mode == "eval" else value
         try:
             with compiling():
-                # first, for its depth limit, which the next call lacks in Python 3.10
+                # compile first: in Python 3.10 ast.parse has no depth limit and may crash
                 compile(source, what, mode, dont_inherit=True)
                 tree = ast.parse(source, mode=mode)
             self.used.update(used(tree))

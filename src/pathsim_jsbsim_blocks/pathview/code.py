@@ -1,6 +1,6 @@
-"""The code of a model: what the expressions of its diagram need, written from live values.
+"""The code of a model: the definitions that its expressions need, written from live values.
 
-Names and expressions of the script are kept where they give the live value.
+Names and expressions of the script are kept if they give the live value.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from ..scripts.names import assignments, references
 from ..scripts.script import FOLLOWING
 from .expressions import Expressions
 from .shape import shortened
-from .sources import Found, first_line, of_class, of_function, one_line, text_of, with_comments
+from .sources import SourceNode, first_line, of_class, of_function, one_line, text_of, with_comments
 from .variables import TAKEN, unique
 
 PARTS = (Block, Event, Simulation)
@@ -58,7 +58,7 @@ class Piece:
 
 
 class Code:
-    """Writes values as expressions, and what these need as definitions."""
+    """Writes values as expressions, with the definitions that these need."""
 
     def __init__(self, script: FirstRun):
         self.script = script
@@ -66,7 +66,8 @@ class Code:
         self.parts: dict[int, Any] = {}  # to which functions refer, by id
         self._pieces: dict[str, Piece] = {}
         self._states: list[Piece] = []
-        self._texts: dict[int, tuple[str, Any]] = {}  # by id of a value or cell, which is kept
+        # by id of a value or cell, which is stored too so that its id is not reused
+        self._texts: dict[int, tuple[str, Any]] = {}
         self._variables: dict[tuple[int, str], str] = {}  # by namespace and name
         self._needs: list[set[str]] = [set()]
         self.inner: set[str] = set()  # variables of functions, which would hide a part of that name
@@ -78,7 +79,7 @@ class Code:
         return self._pieces.keys() | {"np"}
 
     def text(self, variables: Mapping[str, str]) -> str:
-        """The source: definitions in the order of the script, each after those that it needs."""
+        """The source: definitions in the script's order, each after its dependencies."""
         order: list[Piece] = []
 
         def add(piece: Piece) -> None:
@@ -108,7 +109,7 @@ class Code:
         """An expression of the script if it is plain and gives the value; else empty."""
         if not self.expressions.gives(node, value):
             return ""
-        return one_line(self._spliced(Found(node, self.script.source), node))
+        return one_line(self._spliced(SourceNode(node, self.script.source), node))
 
     def parameter(self, value: Any, wish: str) -> str:
         """An expression for a value that the code alone can evaluate."""
@@ -120,7 +121,7 @@ class Code:
         return one_line(text)
 
     def expression(self, value: Any, wish: str) -> str:
-        """An expression for a value; what has an identity is defined, with a name like ``wish``."""
+        """An expression for a value; one with an identity gets a definition named like ``wish``."""
         if id(value) in self._texts:
             text = self._texts[id(value)][0]
             self._need(text)
@@ -155,7 +156,7 @@ class Code:
             return ", ".join(self.expression(item, wish) for item in items)
 
         if isinstance(value, np.ndarray) and type(value) is np.ndarray and value.dtype != object:
-            if value.dtype.kind not in "biufcU":  # structured, say
+            if value.dtype.kind not in "biufcU":  # e.g. structured
                 raise Unwritable(f"an array of {value.dtype} cannot be written")
             same = value.size and np.array(value.tolist()).dtype == value.dtype
             shape = "" if value.size else f".reshape({value.shape})"
@@ -177,7 +178,7 @@ class Code:
         """The model's name for a variable of a module; ``own`` if functions assign it."""
         if name in FOLLOWING or name not in namespace:
             if name in _LOCALS:
-                raise Unwritable(f"{name}() sees names that the model does not have")
+                raise Unwritable(f"{name}() depends on names that the model does not have")
             return name
         value, key = namespace[name], (id(namespace), name)
         if part := self._part(value):
@@ -202,8 +203,8 @@ class Code:
         if isinstance(value, types.ModuleType):
             return self._module(value, name)
         has_name = isinstance(value, (type, types.FunctionType, types.MethodType))
-        known = id(value) in self._texts or (has_name and not _is_lambda(value))
-        if not own and (known or self._imported(value)):
+        available = id(value) in self._texts or (has_name and not _is_lambda(value))
+        if not own and (available or self._imported(value)):
             return self.expression(value, name)
         return self._defined(value, name, self.expressions.line(name) if ours else math.inf)
 
@@ -214,7 +215,7 @@ class Code:
     # definitions ----------------------------------------------------------------------------------
 
     def _free(self, wish: str, mine: Any = ...) -> str:
-        """A name that nothing else has; the script's own name of a value is free for it."""
+        """An unused name; a name that the script gives to this value counts as unused."""
         namespace = self.script.namespace
 
         def taken(name: str) -> bool:
@@ -224,7 +225,7 @@ class Code:
         return unique(wish.strip("_") or "value", taken)
 
     def _defined(self, value: Any, wish: str, line: float = math.inf) -> str:
-        """The name of a value, which gets a definition."""
+        """Define a value and return its name."""
         if wish.isidentifier() and isinstance(self.script.namespace.get(wish), PARTS):
             wish = f"{wish}_{'function' if callable(value) else 'value'}"
         held = [n for n in self.script.names_of(value) if not _scalar(value)]
@@ -234,13 +235,13 @@ class Code:
         if not _scalar(value):
             self._texts[id(value)] = name, value
         self._needs.append(piece.needs)
-        # one with a cache gives the same without it
+        # a cached function returns the same values without its cache
         cached = isinstance(value, functools._lru_cache_wrapper)
         function: Any = value.__wrapped__ if cached else value
         if isinstance(function, types.FunctionType) and not _is_lambda(function):
-            found = of_function(function)
-            if found and function.__code__.co_filename == str(self.script.path):
-                piece.line, piece.end = function.__code__.co_firstlineno, found.node.end_lineno
+            definition = of_function(function)
+            if definition and function.__code__.co_filename == str(self.script.path):
+                piece.line, piece.end = function.__code__.co_firstlineno, definition.node.end_lineno
             lines = [self._function(function, name)]
             lines += [f"{name}.{k} = {self._attribute(v, k)}" for k, v in vars(function).items()]
             piece.text = "\n".join(lines)
@@ -270,19 +271,19 @@ class Code:
             self._pieces[name] = Piece(text, line, line)
             self._keep(name)
             return True
-        found = self.expressions.assigned(name)
-        if found is None or TAKEN.fullmatch(name) or name in self._pieces:
+        assignment = self.expressions.assigned(name)
+        if assignment is None or TAKEN.fullmatch(name) or name in self._pieces:
             return False
-        statement, value = found
-        whole = Found(statement, self.script.source)
-        piece = Piece(line=first_line(whole), end=statement.end_lineno or 0)
+        statement, value = assignment
+        source = SourceNode(statement, self.script.source)
+        piece = Piece(line=first_line(source), end=statement.end_lineno or 0)
         self._pieces[name] = piece
         self._keep(name)
         self._needs.append(piece.needs)
         if value is getattr(statement, "value", None):
-            piece.text = with_comments(whole, self._spliced(whole, statement))
+            piece.text = with_comments(source, self._spliced(source, statement))
         else:  # one of ``a, b = 1, 2``
-            inner = self._spliced(Found(value, self.script.source), value)
+            inner = self._spliced(SourceNode(value, self.script.source), value)
             piece.text = f"{name} = {one_line(inner)}"
         self._needs.pop()
         return True
@@ -294,14 +295,14 @@ class Code:
             self._texts.setdefault(id(value), (name, value))
         self._variables[id(self.script.namespace), name] = name
 
-    def _spliced(self, found: Found, node: Any, new: Mapping[ast.AST, str] = {}) -> str:
+    def _spliced(self, part: SourceNode, node: Any, new: Mapping[ast.AST, str] = {}) -> str:
         """A node of the script with the model's names."""
         both = dict(new)
         for name in references(node):
             if isinstance(name.ctx, ast.Load):
                 text = self.variable(name.id, self.script.namespace)
                 both.update({name: text} if text != name.id else {})
-        return text_of(found, both)
+        return text_of(part, both)
 
     def _module(self, module: types.ModuleType, wish: str) -> str:
         if self.script.is_beside(module.__name__):
@@ -347,57 +348,63 @@ class Code:
         if str(name).partition(".")[0] == "numpy" and getattr(np, path, None) is value:
             return f"np.{path}"
         first = getattr(module, top)
-        known, _ = self._texts.get(id(first), ("", None))
-        if not known:
-            known = self._free(top, first)
-            text = f"from {name} import {top}" + ("" if known == top else f" as {known}")
-            self._pieces[known] = Piece(text, -1)
-            self._texts[id(first)] = known, first
-        self._need(known)
-        return ".".join([known, *rest])
+        alias, _ = self._texts.get(id(first), ("", None))
+        if not alias:
+            alias = self._free(top, first)
+            text = f"from {name} import {top}" + ("" if alias == top else f" as {alias}")
+            self._pieces[alias] = Piece(text, -1)
+            self._texts[id(first)] = alias, first
+        self._need(alias)
+        return ".".join([alias, *rest])
 
     # functions and classes ------------------------------------------------------------------------
 
     def _function(self, function: types.FunctionType, name: str = "") -> str:
         """The source of a function, with the model's names and live default values."""
-        found, code = of_function(function), function.__code__
-        if found is None:
+        definition, code = of_function(function), function.__code__
+        if definition is None:
             what = "a lambda" if not name else f"function {function.__name__!r}"
-            raise Unwritable(f"the source of {what} cannot be told; give it lines of its own")
+            raise Unwritable(f"the source of {what} is ambiguous; define it on its own lines")
         cells = dict(zip(code.co_freevars, function.__closure__ or (), strict=True))
         new: dict[ast.AST, str] = {}
-        # a default value that is a block is found when it is used
-        for argument, text in self._defaults(function, found.node, new).items():
-            body = found.node.body if isinstance(found.node.body, list) else [found.node.body]
+        # a default that is a block is looked up at each call: it is built after the code
+        for argument, text in self._defaults(function, definition.node, new).items():
+            body = (
+                definition.node.body
+                if isinstance(definition.node.body, list)
+                else [definition.node.body]
+            )
             for node in (n for statement in body for n in ast.walk(statement)):
                 if isinstance(node, ast.Name) and node.id == argument:
                     new[node] = text
-        decorators = [n for d in getattr(found.node, "decorator_list", ()) for n in ast.walk(d)]
+        decorators = [
+            n for d in getattr(definition.node, "decorator_list", ()) for n in ast.walk(d)
+        ]
         without = {n for replaced in new for n in ast.walk(replaced)}.union(decorators)
-        _Names(self, found.node, function.__globals__, cells).put(new, without)
-        text = text_of(found, new)
+        _Names(self, definition.node, function.__globals__, cells).put(new, without)
+        text = text_of(definition, new)
         if _STAND_IN.search(text):
-            for node in ast.walk(found.node):
+            for node in ast.walk(definition.node):
                 if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
                     self.inner.add(node.id)
                 elif isinstance(node, ast.arg):
                     self.inner.add(node.arg)
         if name:
             text = re.sub(rf"(def\s+){code.co_name}\b", rf"\g<1>{name}", text, count=1)
-            text = with_comments(found, text)
-        return one_line(text) if isinstance(found.node, ast.Lambda) else text
+            text = with_comments(definition, text)
+        return one_line(text) if isinstance(definition.node, ast.Lambda) else text
 
     def _defaults(
         self, function: types.FunctionType, node: Any, new: dict[ast.AST, str]
     ) -> dict[str, str]:
         """Write live default values; returns those that are parts, by argument."""
-        arguments, given = node.args, function.__kwdefaults__ or {}
+        arguments, keywords = node.args, function.__kwdefaults__ or {}
         positional = [*arguments.posonlyargs, *arguments.args]
         live = function.__defaults__ or ()
         pairs = [
             *zip(positional[len(positional) - len(live) :], arguments.defaults, live, strict=False),
-            *((a, d, given[a.arg]) for a, d in zip(arguments.kwonlyargs, arguments.kw_defaults,
-                                                    strict=True) if d and a.arg in given),
+            *((a, d, keywords[a.arg]) for a, d in zip(arguments.kwonlyargs, arguments.kw_defaults,
+                                                    strict=True) if d and a.arg in keywords),
         ]  # fmt: skip
         parts: dict[str, str] = {}
         for argument, default, value in pairs:
@@ -411,7 +418,7 @@ class Code:
         return parts
 
     def cell(self, cell: Any, name: str, own: bool) -> str:
-        """The model's name for a variable of the function around a function."""
+        """The model's name for a variable of the enclosing function."""
         try:
             value = cell.cell_contents
         except ValueError:
@@ -440,7 +447,7 @@ class Code:
         lines = [f.__code__.co_firstlineno for f in functions.values()]
         tree = of_class(kind.__name__, path, lines)
         if tree is None:
-            raise Unwritable(f"the source of class {kind.__name__!r} cannot be told")
+            raise Unwritable(f"the source of class {kind.__name__!r} is missing or ambiguous")
         cells = {
             n: c
             for f in functions.values()
@@ -456,10 +463,10 @@ class Code:
         piece.text = "\n".join([with_comments(tree, text), *self._changed(kind, name, tree.node)])
 
     def _changed(self, kind: type, name: str, source: ast.ClassDef) -> Iterator[str]:
-        """Assignments of numbers and texts of a class that are not as its source has them."""
+        """Assignments of a class's numbers and texts that differ from its source."""
         written = {target.id: value for s in source.body for target, value in assignments(s)}
         for attribute, value in list(vars(kind).items()):
-            if _scalar(value) and not attribute.endswith("_"):  # of Python
+            if _scalar(value) and not attribute.endswith("_"):  # dunder names are Python's
                 node = written.get(attribute)
                 if node is None or not self.expressions.gives(node, value):
                     yield f"{name}.{attribute} = {self.expression(value, attribute)}"
@@ -482,7 +489,7 @@ class Code:
         arguments = ", ".join(self.expression(a, name) for a in arguments)
         piece.text = f"{name} = {text}({arguments})"
         later = Piece()
-        self._needs.append(set())  # states come last
+        self._needs.append(set())  # states come last, after all definitions
         lines = [*self._state(value, name, state)]
         lines += [f"{name}.append({self.expression(i, name)})" for i in items or ()]
         for k, v in pairs or ():
@@ -512,8 +519,8 @@ class Code:
             yield f"{name}.{k} = {self._attribute(v, k)}"
         if late:
             kind = type(value)
-            found = ", ".join(f"{k!r}: lambda: {self.expression(v, k)}" for k, v in late.items())
-            yield f"{name}._blocks = {{{found}}}"
+            blocks = ", ".join(f"{k!r}: lambda: {self.expression(v, k)}" for k, v in late.items())
+            yield f"{name}._blocks = {{{blocks}}}"
             for k in late:
                 if (id(kind), k) not in self._late:
                     self._late.add((id(kind), k))
@@ -534,7 +541,7 @@ class _Names:
     ):  # fmt: skip
         self.code, self.node, self.namespace, self.cells = code, node, namespace, cells
         self.declared = [n for n in ast.walk(node) if isinstance(n, (ast.Global, ast.Nonlocal))]
-        self.own = {name for n in self.declared for name in n.names}  # they are assigned
+        self.own = {name for n in self.declared for name in n.names}  # assigned by the function
 
     def text(self, name: str) -> str:
         if name in self.cells:
@@ -542,7 +549,7 @@ class _Names:
         return self.code.variable(name, self.namespace, name in self.own)
 
     def put(self, new: dict[ast.AST, str], without: Container[ast.AST] = ()) -> None:
-        """Add the names that the model has others for."""
+        """Add the references whose names differ in the model."""
         for reference in references(self.node):
             if reference not in without and (text := self.text(reference.id)) != reference.id:
                 new[reference] = text

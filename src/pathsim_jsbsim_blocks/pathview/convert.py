@@ -45,7 +45,7 @@ def convert_model(
     DiagramError
         if the file is not a model, requires a toolbox that is not trusted, has unknown blocks or
         events, broken connections, ambiguous ids or parameters that are not Python
-        expressions, its code has a name of its blocks, or the script cannot be written
+        expressions, a name in its code clashes with a block, or the script cannot be written
     ParameterError
         if a toolbox cannot be imported
     """

@@ -28,12 +28,12 @@ def export_script(
 
     The script is executed, as the main program and without arguments, to the end of its first run.
     The model is the diagram at the start of that run. Blocks, wires, events and solver settings are
-    read from the simulation. Parameters are taken from the source as written where that gives the
-    diagram's values, and are its values elsewhere. The model is then built from its text in a
-    separate process and flown beside the script: every output of every block at every step must
-    be the same, bit for bit. In the flight, random numbers without a seed are the same on both
-    sides; a number that the script has drawn before is written as drawn. A warning names what
-    comes after the first run.
+    read from the simulation. Parameters are copied from the source if that gives the diagram's
+    values, and written as values otherwise. The model is then built from its text in a separate
+    process and flown beside the script: every output of every block at every step must be the
+    same, bit for bit. In this flight, random numbers without a seed are the same on both sides; a
+    number that the script drew earlier is written as a value. A warning lists later runs, which
+    the model omits.
 
     Parameters
     ----------
@@ -53,16 +53,16 @@ def export_script(
     Raises
     ------
     DiagramError
-        if the script fails or contains something that PathView cannot represent, the model flies
-        otherwise (file, line and reason), or the model cannot be written
+        if the script fails or contains something that PathView cannot represent, the model behaves
+        differently (file, line and reason), or the model cannot be written
 
     Warns
     -----
     UserWarning
-        how far the comparison went, where it ended before the run
+        if the comparison ended before the run, with the time that it reached
     """
     out, proof = export_with_proof(script, out, check)
-    if not proof.whole:
+    if not proof.complete:
         warnings.warn(f"{out}: {proof}", UserWarning, stacklevel=2)
     return out
 
@@ -70,7 +70,7 @@ def export_script(
 def export_with_proof(
     script: str | Path, out: str | Path | None = None, check: float = _CHECKED
 ) -> tuple[Path, Proof]:
-    """`export_script`, and what was compared."""
+    """Export as `export_script`; also return what was compared."""
     script = as_path("script", script)
     out = script.parent / f"{script.stem}.pvm" if out is None else as_path("out", out)
     check = number("check", check, above=0.0, infinite=True)
@@ -86,8 +86,8 @@ def script_model(
 ) -> tuple[Json, Proof]:
     """The content of a script's model, and what was compared; parameters as in `export_script`.
 
-    Warnings name what the script does after its first run, which is not in the model, and random
-    numbers that are fixed there.
+    Warnings list what the script does after its first run, which the model omits, and random
+    numbers that the model fixes.
     """
     with _ONE_AT_A_TIME:
         process = surroundings()
@@ -100,7 +100,7 @@ def script_model(
         what = ", ".join(f"line {line}: {text}" for line, text in rest)
         notes.append(f"the model is the diagram of the first run (line {start}); not in it: {what}")
     for text in notes:
-        # at the script's line: the caller's would be of the command line
+        # at the script's line: the caller's line would be in the command's code
         warnings.warn_explicit(text, UserWarning, str(first_run.path), start)
     return first_run.result
 
@@ -108,7 +108,7 @@ def script_model(
 def _proven(
     script: FirstRun, process: dict[str, Any], existing: Json | None, check: float
 ) -> tuple[Json, Proof]:
-    """The model of a script, whose first run begins, which flies as it does."""
+    """The model of a script at the start of its first run, proved to behave like it."""
     diagram = read_diagram(script)
     content = pvm.model(diagram, existing)
     blocks = {n: p.value for n, p in diagram.parts.items() if isinstance(p.value, Block)}
@@ -124,7 +124,7 @@ def _proven(
         unseeded=diagram.unseeded,
         run={
             "duration": diagram.duration,
-            "reset": bool(script.begun and script.begun.arguments.get("reset")),
+            "reset": bool(script.run_start and script.run_start.arguments.get("reset")),
             "adaptive": True,
         },
     )
@@ -134,13 +134,13 @@ def _proven(
         _refuse(difference, script, diagram)
 
 
-def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
-    """Say where the model is not as the script: block, port, time, and the likely line."""
-    at = f"at t = {found.time!r} s"
-    if not found.variable:
-        parting = f"{at} the script {found.here}, and the model {found.there}"
+def _refuse(difference: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
+    """Raise the error for a difference: block, port, time, and the likely line."""
+    at = f"at t = {difference.time!r} s"
+    if not difference.variable:
+        parting = f"{at} the script {difference.script}, and the model {difference.model}"
         script.refuse(parting, script.run_call)
-    part = diagram.parts[found.variable].value
+    part = diagram.parts[difference.variable].value
     built = script.built_at(part)
     place = script.last_mention(*script.names_of(part), script.target(part)) or built
     why = "it depends on something that the model does not have, such as the state of a generator "
@@ -151,7 +151,7 @@ def _refuse(found: Difference, script: FirstRun, diagram: Diagram) -> NoReturn:
         method, line = script.states[-1]
         why = f"{method}() in line {line} changes its state before the run"
     script.refuse(
-        f"{script.called(part)} flies otherwise in the model: port {found.port} {at} is "
-        f"{found.here}, and {found.there} in the model; {why}",
+        f"{script.called(part)} behaves differently in the model: port {difference.port} {at} is "
+        f"{difference.script}, and {difference.model} in the model; {why}",
         place,
     )

@@ -1,4 +1,4 @@
-"""Expressions of a script that its model keeps: plain ones, which give the live values."""
+"""Select the expressions of a script that its model keeps: plain ones that give live values."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ _PLAIN = (
 )  # fmt: skip
 _BUILTINS = (abs, bool, complex, dict, float, int, len, list, max, min, range, round, set, sorted,
              str, sum, tuple)  # fmt: skip
-_KNOWN: dict[str, Any] = {function.__name__: function for function in _BUILTINS}
-# functions of numpy that read files: their results are written
+_BUILTIN_NAMES: dict[str, Any] = {function.__name__: function for function in _BUILTINS}
+# functions of numpy that read files: the model may run elsewhere, so it gets their results
 _READERS = ("load", "loadtxt", "genfromtxt", "fromfile", "fromregex", "memmap")
 _DATA = (bool, int, float, complex, str, bytes, type(None), np.generic)
 
@@ -85,7 +85,7 @@ class Expressions:
         """The assignment that gives a name its live value, and the expression, if it is plain."""
         statement = self._statements.get(name)
         live = self._script.namespace.get(name)
-        # ``a = b = x`` would give each name a value of its own
+        # repeated for each name, ``a = b = x`` would build two values
         if statement is None or len(getattr(statement, "targets", "1")) > 1:
             return None
         for target, value in assignments(statement):
@@ -106,7 +106,7 @@ class Expressions:
         return ""
 
     def line(self, name: str) -> float:
-        """Where a script binds a name."""
+        """The line in which the script binds a name; infinite if it does not."""
         statement = self._statements.get(name)
         return math.inf if statement is None else statement.lineno
 
@@ -114,32 +114,32 @@ class Expressions:
         if isinstance(node, ast.Call):
             return self._is_pure(node.func)
         if isinstance(node, ast.Attribute):
-            owner = self._found(node.value)
+            owner = self._resolved(node.value)
             if isinstance(owner, types.ModuleType):
-                return self._is_value(self._found(node))
+                return self._is_value(self._resolved(node))
             return owner is None or isinstance(owner, (*_DATA, np.ndarray))
         if isinstance(node, ast.Name):
-            return self._is_value(self._found(node))
+            return self._is_value(self._resolved(node))
         return isinstance(node, _PLAIN)
 
     def _is_value(self, value: Any) -> bool:
-        known = isinstance(value, (types.ModuleType, type)) or _is_mathematical(value)
-        return known or is_data(value) or (dataclasses.is_dataclass(value) and is_data(vars(value)))
+        named = isinstance(value, (types.ModuleType, type)) or _is_mathematical(value)
+        return named or is_data(value) or (dataclasses.is_dataclass(value) and is_data(vars(value)))
 
     def _is_pure(self, function: ast.expr) -> bool:
-        value = self._found(function)
+        value = self._resolved(function)
         if value is None and isinstance(function, ast.Attribute):  # a method of an array
             return all(map(self._is_plain, ast.walk(function.value)))
         described = isinstance(value, type) and dataclasses.is_dataclass(value)
         return _is_mathematical(value) or (described and not issubclass(value, Block))
 
-    def _found(self, node: ast.AST) -> Any:
-        """What a name, or attributes of one, stand for; None of anything else."""
+    def _resolved(self, node: ast.AST) -> Any:
+        """The object to which a name or an attribute refers; None for other expressions."""
         if isinstance(node, ast.Attribute):
-            return getattr(self._found(node.value), node.attr, None)
+            return getattr(self._resolved(node.value), node.attr, None)
         if not isinstance(node, ast.Name):
             return None
-        return self._script.namespace.get(node.id, _KNOWN.get(node.id))
+        return self._script.namespace.get(node.id, _BUILTIN_NAMES.get(node.id))
 
     def _value(self, node: ast.expr) -> Any:
         code = compile(ast.Expression(node), "expression", "eval", dont_inherit=True)
@@ -147,7 +147,7 @@ class Expressions:
 
 
 def _is_mathematical(value: Any) -> bool:
-    """Whether a function computes and does nothing else."""
+    """Whether a function computes without side effects."""
     if isinstance(value, np.ufunc) or any(value is f for f in _BUILTINS):
         return True
     module, name = getattr(value, "__module__", None) or "", getattr(value, "__name__", "")

@@ -40,8 +40,8 @@ def to_python(content: Json, registry: Json, path: Path) -> str:
 
 
 def _with_names_of_ports(code: str, registry: Json) -> str:
-    """PathView's script with the names of ports that a block's class gives, if it has several."""
-    made = {
+    """PathView's script with named ports instead of numbers, if a block's class names several."""
+    classes = {
         ast.unparse(n.targets[0]): ast.unparse(n.value.func)
         for n in ast.parse(code).body
         if isinstance(n, ast.Assign) and isinstance(n.value, ast.Call)
@@ -50,11 +50,11 @@ def _with_names_of_ports(code: str, registry: Json) -> str:
     def named(wires: re.Match[str]) -> str:
         texts: list[str] = []
         for variable, port in re.findall(r"(\w+)\[(\d+)\]", wires[2]):
-            entry = registry["blocks"].get(made.get(variable, ""))
+            entry = registry["blocks"].get(classes.get(variable, ""))
             module = sys.modules.get(entry["importPath"]) if entry else None
-            kind = getattr(module, made.get(variable, ""), None)
-            known = getattr(kind, f"{'input' if texts else 'output'}_port_labels", None) or {}
-            names = [n for n, i in known.items() if len(known) > 1 and i == int(port)]
+            kind = getattr(module, classes.get(variable, ""), None)
+            labels = getattr(kind, f"{'input' if texts else 'output'}_port_labels", None) or {}
+            names = [n for n, i in labels.items() if len(labels) > 1 and i == int(port)]
             texts.append(f"{variable}[{json.dumps(names[-1]) if names else port}]")
         return f"{wires[1]}{', '.join(texts)}),"
 
@@ -73,7 +73,7 @@ def _finished(code: str, content: Json, path: Path) -> str:
         text = re.sub('"$', r'\\"', text)
         head = [f'"""{text}"""', "", f"# converted from {printable(path.name)}"]
         code = "\n".join([*head, *lines])
-    # what follows is PathView's own: the code of the model comes before it
+    # the last match: the model's own code, which comes first, may contain the same text
     before, start, rest = code.rpartition("\nsim = Simulation(\n")
     if content["simulationSettings"].get("log") is False:
         rest = rest.replace("\n)\n", "\n    log=False,\n)\n", 1)

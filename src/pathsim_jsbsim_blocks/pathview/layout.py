@@ -13,13 +13,13 @@ from typing import NamedTuple
 from .diagram import Graph, Node
 
 GRID = 10  # PathView's grid, px
-PAGE = 1000  # width in which a diagram can be read on a page; a longer chain goes on below
-_PORT = 20  # between ports
-_ROW = 60  # free height between blocks
-_GAP = 50  # free width between columns, and more for each wire that turns there
+PAGE = 1000  # px, width at which a diagram is readable on a page; a longer chain is wrapped
+_PORT = 20  # px between ports
+_ROW = 60  # px, free height between blocks
+_GAP = 50  # px, free width between columns, plus GRID for each wire that turns there
 _SWEEPS = 12
 RECORDERS = {"Scope", "Spectrum"}
-_BIG = 4  # outputs: a plant, from which the loops of a diagram go back
+_BIG = 4  # outputs of a block that is taken for the plant, after which loops are opened
 
 Edge = tuple[int, int]
 
@@ -42,7 +42,7 @@ class Box(NamedTuple):
 
 
 def labelled(node: Node, ports: list[str]) -> bool:
-    """Whether to show the names of ports: they are not numbers, nor of a recorder."""
+    """Whether to show the names of ports: not of recorders, and not mere numbers."""
     return node.type not in RECORDERS and any(
         not re.fullmatch(r"(in|out) \d+|in|out|y|\W", p) for p in ports
     )
@@ -127,7 +127,7 @@ def _bands(
     sinks: set[int],
     page: float,
 ) -> list[dict[int, int]]:
-    """The columns, in as few rows one below the other as fit on a page, with few wires between."""
+    """The columns in rows that fit on a page: few rows first, then few wires between them."""
     column = {i: n for i, n in layer.items() if i not in sinks}
     last = max(column.values(), default=0)
     for i in sinks:  # a scope stands at the end of its last source's row
@@ -135,7 +135,8 @@ def _bands(
             (column[w.source] for w in graph.wires if w.target == i and w.source in column),
             default=last,
         )
-    # by the columns that are placed: rows, wires between them, how unequal they are, the rows
+    # best layout of the first n columns: number of rows, wires between rows, sum of squared
+    # widths (equal rows are best), rows
     best: dict[int, tuple[int, int, float, list[dict[int, int]]]] = {0: (0, 0, 0.0, [])}
     for end in range(1, last + 2):
         ways = []
@@ -171,10 +172,10 @@ def _loops(nodes: Iterable[int], edges: Collection[Edge]) -> list[set[int]]:
 
 
 def _hub(loop: set[int], edges: Collection[Edge], nodes: list[Node], observed: set[int]) -> int:
-    """The node after which a loop is opened: the plant, or what is last before a scope."""
+    """The node after which a loop is opened: the plant, or else the last block before a scope."""
     inside = [(a, b) for a, b in edges if a in loop and b in loop]
     entries = {b for a, b in edges if b in loop and a not in loop}
-    if not entries:  # a loop on its own begins at its summing junction
+    if not entries:  # an isolated loop starts at its summing junction
         entries = {max(sorted(loop), key=lambda i: sum(b == i for _, b in inside))}
     depth = dict.fromkeys(entries, 0)
     todo = sorted(entries)
@@ -193,7 +194,7 @@ def _hub(loop: set[int], edges: Collection[Edge], nodes: list[Node], observed: s
 def _feedback(
     nodes: list[Node], edges: Collection[Edge], cut: Collection[Edge], loops: set[int]
 ) -> list[list[int]]:
-    """Chains of blocks on a way back, each fed by one block; the first by one that opens a loop."""
+    """Chains of blocks on feedback paths, each fed by one block, starting after an opened loop."""
     before = defaultdict(list)
     for a, b in edges:
         before[b].append(a)
@@ -242,7 +243,7 @@ def _rows(
     cut: Collection[Edge],
     sinks: set[int],
 ) -> dict[int, float]:
-    """Heights at which the wires between columns are as straight as they can be."""
+    """Heights that make the wires between columns as straight as possible."""
     back = {(w.source, w.output, w.target) for w in graph.wires if (w.source, w.target) in cut}
     # wires that run back pass above and below their blocks
     heights = [
@@ -263,7 +264,7 @@ def _rows(
     pulls: dict[int, list[tuple[int, float]]] = defaultdict(list)
     chained = {i for w in wires if w.target not in sinks for i in (w.source, w.target)}
     for w in wires:
-        # where the target's centre is to be above the source's for a straight wire
+        # offset of the target's centre from the source's for a straight wire
         shift = port_offset(w.output, len(graph.nodes[w.source].outputs)) - port_offset(
             w.input, len(graph.nodes[w.target].inputs)
         )
@@ -335,7 +336,7 @@ def _columns(
 
 
 def _goals(graph: Graph, chain: list[int]) -> set[int]:
-    """The blocks to which a way back leads."""
+    """The blocks at the end of a feedback path."""
     return {
         w.target for w in graph.wires if w.source == chain[-1] and graph.nodes[w.target].outputs
     }
@@ -349,7 +350,7 @@ def _place_turned(
     x: dict[int, int],
     centres: dict[int, tuple[int, int]],
 ) -> None:
-    """Put the blocks on a way back below the others, from right to left."""
+    """Put the blocks of a feedback path below the others, from right to left."""
     from_x = x.get(next(w.source for w in graph.wires if w.target == chain[0]), 0)
     to_x = min((x[i] for i in _goals(graph, chain) & centres.keys()), default=from_x)
     needed = sum(sizes[i][0] + _GAP for i in chain)

@@ -66,14 +66,14 @@ def rendered(page: str, required: list[Toolbox]) -> tuple[str, str]:
 
 
 def local_scripts(static: Path) -> dict[str, str]:
-    """PathView's scripts with changes, by path: KaTeX comes from here, names of ports are whole."""
-    found = {}
+    """PathView's modified scripts by path: KaTeX is local, names of ports are not cut."""
+    scripts = {}
     for file in (static / "app").rglob("*.js"):
         original = file.read_text(encoding="utf-8")
         text = _CUT.sub("99", _CDN.sub("/katex", original))
         if text != original:
-            found[f"/{file.relative_to(static).as_posix()}"] = text
-    return found
+            scripts[f"/{file.relative_to(static).as_posix()}"] = text
+    return scripts
 
 
 def refused(reason: str) -> str:
@@ -99,7 +99,7 @@ def _literal(value: Any) -> str:
 
 
 def _selection(toolbox: Toolbox) -> list[dict[str, Any]]:
-    """This package's blocks with their categories; for other toolboxes PathView takes all."""
+    """This package's blocks with their categories; of other toolboxes PathView registers all."""
     out = []
     for name, block in toolbox.blocks().items() if toolbox == OURS else ():
         category, shape = _CATEGORIES[block.__module__.split(".")[1]]

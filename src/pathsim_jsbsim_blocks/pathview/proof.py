@@ -1,6 +1,6 @@
-"""Prove a model by flight: built from its text in a separate process, it flies beside its script.
+"""Prove a model by flight, built from its text in a separate process and compared with its script.
 
-`rehearse` is the program of that process, and `prove` the script's side.
+`fly_model` runs in that process, `prove` in the script's.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ Row = tuple[float, tuple[bytes, ...]]
 
 @dataclass
 class Job:
-    """A model, and what its script has when its first run begins."""
+    """A model, and the state of its script when the first run begins."""
 
     text: str  # of the model file
     path: Path  # the script, for messages
-    toolboxes: list[str]  # what the model may import
+    toolboxes: list[str]  # that the model may import
     process: dict[str, Any]  # `surroundings` before the script ran
     blocks: list[str]  # PathView's variables
     expressions: list[str]  # of all parameters
@@ -57,26 +57,26 @@ class Job:
 
 @dataclass(frozen=True)
 class Proof:
-    """What was compared, and found equal, bit for bit."""
+    """The extent of a comparison that agreed bit for bit."""
 
     steps: int
     signals: int  # outputs of blocks
-    time: float  # until when, s
-    whole: bool  # the run was flown to its end
+    time: float  # s, end of the comparison
+    complete: bool  # the run was flown to its end
 
     def __str__(self) -> str:
         return f"same for {self.steps:,} steps, {self.signals} signals" + (
-            "" if self.whole else f", to t = {self.time:.6g} s only (--check all: to the end)"
+            "" if self.complete else f", to t = {self.time:.6g} s only (--check all: to the end)"
         )
 
 
 @dataclass
 class Difference(Exception):
-    """Where the model does not fly as the script's diagram."""
+    """The first difference between the flights of the script's diagram and of the model."""
 
     time: float
-    here: str
-    there: str
+    script: str
+    model: str
     variable: str = ""  # a block
     port: str = ""
 
@@ -86,15 +86,15 @@ class _Ended(BaseException):
 
 
 def surroundings() -> dict[str, Any]:
-    """Where a script begins."""
+    """The process state in which a script starts."""
     return {"environment": dict(os.environ), "folder": os.getcwd(), "path": list(sys.path)}
 
 
 # the model's side ---------------------------------------------------------------------------------
 
 
-def rehearse(pipe: Connection, job: Job) -> None:
-    """Send why the model cannot be built, or "", then its rows, and how its flight has ended."""
+def fly_model(pipe: Connection, job: Job) -> None:
+    """Send the reason why the model cannot be built, or "", its rows, and how its flight ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the script's process ends this one
     _be_pathview(job.process)
     rows: list[Row] = []
@@ -120,7 +120,7 @@ def rehearse(pipe: Connection, job: Job) -> None:
 
 
 def _be_pathview(process: Mapping[str, Any]) -> None:
-    """PathView's process where the script began: other arguments, no output."""
+    """Imitate PathView's process in the script's initial state: other arguments, no output."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     sys.stdout = sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
     os.environ.clear()
@@ -134,9 +134,9 @@ def _be_pathview(process: Mapping[str, Any]) -> None:
 
 
 def _built(job: Job) -> dict[str, Any]:
-    """The names of the model's script, which it builds."""
+    """Build the model and return the namespace of its script."""
     content = json.loads(job.text)
-    # PathView evaluates parameters with the code alone, before there are blocks
+    # PathView evaluates parameters before it builds blocks, so they may only use the code
     namespace: dict[str, Any] = {"np": np, "__name__": "pathview"}
     exec(compile(content["codeContext"]["code"], "code", "exec", dont_inherit=True), namespace)
     for expression in job.expressions:
@@ -156,10 +156,10 @@ def _built(job: Job) -> dict[str, Any]:
 def prove(simulation: Simulation, blocks: Mapping[str, Block], job: Job, limit: float) -> Proof:
     """Fly a simulation beside its model, for ``limit`` s of processing at most.
 
-    It raises a `Difference` where they part, and a `DiagramError` if there is no flight to compare.
+    It raises a `Difference` at the first that occurs, and a `DiagramError` if the model cannot fly.
     """
     pipe, theirs = _processes().Pipe()
-    process = _processes().Process(target=rehearse, args=(theirs, job))
+    process = _processes().Process(target=fly_model, args=(theirs, job))
     # the process would import the main program
     with patch.dict(sys.modules, __main__=types.ModuleType("__main__")):
         process.start()
@@ -180,13 +180,13 @@ def _compared(
     simulation: Simulation, blocks: Mapping[str, Block], job: Job, pipe: Connection, end: float
 ) -> Proof:
     rows = _rows(pipe, job.path)
-    reached, steps, whole = 0.0, -1, True
+    reached, steps, complete = 0.0, -1, True
 
     def take(t: float) -> None:
         nonlocal reached, steps
         mine, theirs = _row(t, blocks.values()), next(rows)
         if isinstance(theirs, str):
-            raise Difference(t, "goes on", theirs)
+            raise Difference(t, "continues", theirs)
         if mine != theirs:
             _part(blocks, mine, theirs)
         reached, steps = t, steps + 1
@@ -197,34 +197,34 @@ def _compared(
         with each_sample(simulation, take):
             Simulation.run(simulation, **job.run)
         if not isinstance(rest := next(rows), str):
-            raise Difference(rest[0], "has ended", "goes on")
+            raise Difference(rest[0], "has ended", "continues")
         if rest.startswith("fails"):
             raise Difference(reached, "has ended", rest)
     except _Ended:
-        whole = False
+        complete = False
     signals = sum(len(block.outputs) for block in blocks.values())
-    return Proof(steps, signals, reached, whole)
+    return Proof(steps, signals, reached, complete)
 
 
 def _part(blocks: Mapping[str, Block], mine: Row, theirs: Row) -> None:
-    """Raise for the first output that is another one; NaN is equal to NaN."""
+    """Raise for the first output that differs; NaN equals NaN."""
     if mine[0] != theirs[0]:
         raise Difference(mine[0], "samples then", f"samples at {theirs[0]!r}")
     for (name, block), *both in zip(blocks.items(), mine[1], theirs[1], strict=True):
-        here, there = map(np.frombuffer, both)
-        if len(here) != len(there):
-            raise Difference(mine[0], f"has {len(here)} outputs", f"has {len(there)}", name)
-        unlike = (here.view("i8") != there.view("i8")) & ~(np.isnan(here) & np.isnan(there))
+        ours, values = map(np.frombuffer, both)
+        if len(ours) != len(values):
+            raise Difference(mine[0], f"has {len(ours)} outputs", f"has {len(values)}", name)
+        unlike = (ours.view("i8") != values.view("i8")) & ~(np.isnan(ours) & np.isnan(values))
         if unlike.any():
             port = int(np.flatnonzero(unlike)[0])
             label = next((n for n, k in port_names(block.outputs).items() if k == port), str(port))
             raise Difference(
-                mine[0], repr(float(here[port])), repr(float(there[port])), name, label
+                mine[0], repr(float(ours[port])), repr(float(values[port])), name, label
             )
 
 
 def _rows(pipe: Connection, path: Path) -> Iterator[Row | str]:
-    """The model's rows as they come, and how its flight has ended."""
+    """The model's rows as they arrive, then how its flight ended."""
     while not isinstance(message := _received(pipe, path), str):
         yield from message
     yield message
@@ -234,17 +234,17 @@ def _received(pipe: Connection, path: Path) -> Any:
     try:
         return pipe.recv()
     except (EOFError, ConnectionError):
-        why = "the model ends the process in which it flies: its code must not"
+        why = "the model's code ends the process in which it runs, which it must not do"
         raise DiagramError(why, path=path) from None
 
 
 @functools.cache
 def _processes() -> Any:
-    """Makes processes that know nothing of this one; where there are forks, with imports made."""
+    """Starts processes with no state of this one; a fork server, if available, saves imports."""
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([rehearse.__module__, "pathview.converter"])
+    context.set_forkserver_preload([fly_model.__module__, "pathview.converter"])
     return context
 
 
@@ -266,4 +266,4 @@ def _seed(blocks: Sequence[Block], seeded: Collection[str]) -> None:
     if "random" not in seeded:
         random.seed(0)
     for block in filter(draws_from_shared, blocks):
-        block.sample(0.0, 0.0)  # in place of what it drew when it was built
+        block.sample(0.0, 0.0)  # replaces the numbers drawn when it was built

@@ -56,7 +56,7 @@ def model(diagram: Diagram, existing: Existing | None = None) -> dict[str, Any]:
 
 
 def with_event_imports(content: dict[str, Any]) -> dict[str, Any]:
-    """A model whose code imports events that only subsystems have, which PathView does not."""
+    """A model whose code imports event classes of subsystems: PathView imports only outer ones."""
     inner = [event for graph in graphs(content) for event in graph.get("events") or []]
     lacks, has = ({e["type"].rpartition(".")[2] for e in x} for x in (inner, content["events"]))
     code = content["codeContext"]["code"]
@@ -72,7 +72,7 @@ def text(content: Mapping[str, Any]) -> str:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """The content of a model file; `DiagramError` if it is none of a known version, or damaged."""
+    """The content of a model file; `DiagramError` if it is damaged or of an unknown version."""
     try:
         # Notepad puts a byte order mark first
         content = json.loads(path.read_text(encoding="utf-8-sig"))
@@ -84,7 +84,7 @@ def read(path: Path) -> dict[str, Any]:
         raise DiagramError(reason, path=path)
     check_shape(content, path)
     try:
-        # the page cannot read what only Python's JSON has: NaN, half of a surrogate pair
+        # Python's JSON allows NaN and lone surrogates, which the page cannot read
         json.dumps(content, allow_nan=False, ensure_ascii=False).encode()
     except ValueError as error:
         raise DiagramError(f"not a PathView model: {error}", path=path) from error
@@ -94,11 +94,11 @@ def read(path: Path) -> dict[str, Any]:
 def _no_model(content: Any) -> str:
     """Why a file's content is not a model of a version that this package reads; else empty."""
     if not isinstance(content, dict):
-        return "not a PathView model: no JSON object"
+        return "not a PathView model: not a JSON object"
     if content.get("type") in ("block", "subsystem"):
         return f"a PathView {content['type']}, not a model; open it in PathView and save the model"
     if "nodes" in content and "edges" in content:
-        why = "which PathView no longer opens: draw it again"
+        why = "which PathView no longer opens; redraw it"
         return f"a file of PathView's first version, of 2025, {why}"
     graph, version = content.get("graph"), content.get("version")
     if not isinstance(graph, dict) or not isinstance(graph.get("nodes"), list):
@@ -109,7 +109,7 @@ def _no_model(content: Any) -> str:
 
 
 def write(path: Path, content: str) -> None:
-    """Write a whole file; if it cannot be written, `DiagramError`, and an existing one stays."""
+    """Write a file; on failure raise `DiagramError` and leave an existing file unchanged."""
     try:
         write_whole(path, content)
     except FileError as error:
@@ -120,8 +120,8 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], Bo
     pins = [_pinned(n) for n in graph.nodes]
     sizes = [size(n, len(p)) for n, p in zip(graph.nodes, pins, strict=True)]
     layout = arrange(graph, sizes)
-    kept = {plain(str(n.get("name", ""))): n for n in reversed(old.get("nodes") or [])}
-    olds = [kept.get(plain(n.name), {}) for n in graph.nodes]
+    existing = {plain(str(n.get("name", ""))): n for n in reversed(old.get("nodes") or [])}
+    olds = [existing.get(plain(n.name), {}) for n in graph.nodes]
     centres = _kept_centres(layout.centres, sizes, olds)
     ids = [prefix + plain(n.name) for n in graph.nodes]
     nodes = []
@@ -155,21 +155,21 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], Bo
 def _kept_centres(
     auto: Sequence[tuple[int, int]], sizes: Sequence[tuple[int, int]], olds: Sequence[Existing]
 ) -> list[tuple[int, int]]:
-    """Positions of an existing model; new blocks are placed relative to them as in the layout."""
-    known = {
+    """Positions of an existing model; new blocks are placed relative to them."""
+    positions = {
         i: (o["position"]["x"], o["position"]["y"])
         for i, o in enumerate(olds)
         if isinstance(o.get("position"), dict)
     }
-    if not known:
+    if not positions:
         return list(auto)
     dx, dy = (
-        GRID * round(sum(known[i][k] - auto[i][k] for i in known) / len(known) / GRID)
+        GRID * round(sum(positions[i][k] - auto[i][k] for i in positions) / len(positions) / GRID)
         for k in (0, 1)
     )
-    centres = [known.get(i, (x + dx, y + dy)) for i, (x, y) in enumerate(auto)]
+    centres = [positions.get(i, (x + dx, y + dy)) for i, (x, y) in enumerate(auto)]
     for i, (x, y) in enumerate(centres):
-        while i not in known and any(
+        while i not in positions and any(
             touch((x, y), sizes[i], centres[j], sizes[j]) for j in range(len(centres)) if j != i
         ):
             y += GRID
@@ -223,14 +223,14 @@ def _ports(node: str, direction: str, names: Sequence[str]) -> list[dict[str, An
 
 
 def _pinned(node: Node) -> list[str]:
-    """The parameters shown on the block: the first given; PathView shortens their values."""
+    """Parameters to show on the block: the first ones set; PathView shortens their values."""
     return [] if node.type in RECORDERS else list(node.params)[:_PINNED]
 
 
 def _events(
     events: Sequence[Event], prefix: str, box: Box, old: Sequence[Existing]
 ) -> list[dict[str, Any]]:
-    kept = {plain(str(e.get("name", ""))): e.get("position") for e in old}
+    positions = {plain(str(e.get("name", ""))): e.get("position") for e in old}
     out = []
     for i, event in enumerate(events):
         x = GRID * round((box.left + (1.5 * i + 0.5) * _EVENT) / GRID)
@@ -240,7 +240,7 @@ def _events(
                 "id": prefix + plain(event.name),
                 "type": event.type,
                 "name": event.name,
-                "position": kept.get(plain(event.name)) or {"x": x, "y": y},
+                "position": positions.get(plain(event.name)) or {"x": x, "y": y},
                 "params": dict(event.params),
             }
         )
@@ -253,7 +253,7 @@ def _annotations(docstring: str, box: Box, old: Sequence[Existing]) -> list[dict
     content = _markdown(docstring)
     if not content:
         return others
-    kept = next((a for a in old if a.get("id") == NOTE), {})
+    previous = next((a for a in old if a.get("id") == NOTE), {})
     span = box.right - box.left
     width = GRID * round(min(max(span, _NOTE_WIDTH[0]), _NOTE_WIDTH[1]) / GRID)
     paragraphs = content.split("\n\n")[1:]
@@ -262,7 +262,7 @@ def _annotations(docstring: str, box: Box, old: Sequence[Existing]) -> list[dict
     height = GRID * math.ceil(text_height / GRID)
     x, y = GRID * round(box.left / GRID), GRID * round((box.top - height) / GRID) - 3 * GRID
     note = {"position": {"x": x, "y": y}, "content": content, "width": width, "height": height}
-    note.update({k: kept[k] for k in ("position", "width", "height") if k in kept})
+    note.update({k: previous[k] for k in ("position", "width", "height") if k in previous})
     return [{"id": NOTE, **note}, *others]
 
 

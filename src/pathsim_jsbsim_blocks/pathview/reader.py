@@ -1,4 +1,4 @@
-"""Read a diagram script: all from the live diagram; names and expressions from the source."""
+"""Read a diagram script: values from the live diagram, names and expressions from the source."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ class _Reader:
             self.refuse(f"PathView has no initial value for {', '.join(self.lost)}: their state "
                         f"when the run begins{cause} cannot be in the model")  # fmt: skip
         todo = [(p, n, v) for p in self.parts.values() for n, v in p.arguments.items()]
-        # functions first: a table that one of them uses is the same in a parameter
+        # functions first: a parameter then refers to the same table as a function that uses it
         for part, name, value in sorted(todo, key=lambda item: not callable(item[2])):
             part.target.params[name] = self._expression(part, name, value)
         for part in self.parts.values():
             part.target.params = {n: part.target.params[n] for n in part.arguments}
         live = live_settings(self.script)
-        settings = {name: self._setting(*found) for name, found in live.items()}
+        settings = {name: self._setting(*setting) for name, setting in live.items()}
         variables = self._name_parts()
         for part in self.parts.values():
             params = part.target.params.items()
@@ -83,7 +83,7 @@ class _Reader:
         )
 
     def _context(self, variables: Mapping[str, str]) -> str:
-        """The model's code; it seeds NumPy's shared generator if something may draw from it."""
+        """The model's code; it seeds NumPy's shared generator if the diagram may draw from it."""
         text, seed = self.code.text(variables), None
         parts = self.parts.values()
         every = [text, *(e for part in parts for e in part.target.params.values())]
@@ -109,7 +109,7 @@ class _Reader:
         for source, out, target, into in ends(connection):
             for block in (source, target):
                 if id(block) not in index:
-                    reason = f"{self._called(block)} is wired but not in the list of blocks"
+                    reason = f"{self._called(block)} is connected but not in the list of blocks"
                     self._refuse(block, reason)
             if not connection:
                 reason = "is switched off when the run begins; PathView cannot represent that"
@@ -144,11 +144,11 @@ class _Reader:
         return node
 
     def _kind(self, block: Block) -> type[Block]:
-        """The class for PathView: StateSpace where it lacks a linear block's class or state."""
+        """The class for PathView: StateSpace if it lacks a linear block's class or state."""
         kind = _built_in(type(block))
-        known = kind.__name__ in self.registry["blocks"] or kind.__module__[:8] != "pathsim."
+        supported = kind.__name__ in self.registry["blocks"] or kind.__module__[:8] != "pathsim."
         stateless = "initial_value" not in _parameters(kind) and np.any(_states(block)[0])
-        return StateSpace if flies_matrices(block) and (stateless or not known) else kind
+        return StateSpace if flies_matrices(block) and (stateless or not supported) else kind
 
     def _known(self, block: Block, kind: type[Block]) -> list[str]:
         """Parameter names of a block's class, which PathView must know."""
@@ -164,7 +164,7 @@ class _Reader:
             if not kind.__module__.startswith("pathsim."):
                 hint = "; its class must be exported by an installed package"
             elif hasattr(block, "func") and re.search(r"\bjsbsim\b", self.script.source):
-                hint = "; JSBSim runs ahead of the clock in a function: use Aircraft or JSBSimFDM"
+                hint = "; in a function JSBSim runs ahead of the clock: use Aircraft or JSBSimFDM"
             self._refuse(block, unknown_block(name, self.registry) + hint)
         if self.types.setdefault(name, (kind, toolbox))[0] is not kind:
             reason = f"two blocks of the same class name {name!r} from different packages"
@@ -198,18 +198,26 @@ class _Reader:
         node = node or built_at(value) or built_at(self.script.simulation)
         self.refuse(reason, node)
 
-    def _construction(self, part: Part, known: Sequence[str]) -> None:
+    def _construction(self, part: Part, names: Sequence[str]) -> None:
         """The values with which a part is to be built, by parameter name."""
-        made, parameters = self.script.construction(part.value), _parameters(part.kind)
-        whole = made is not None and made.given is not None and part.kind is type(part.value)
-        given, values = (made.given, made.values) if made and whole else (frozenset(), {})
-        for name in given or ():
-            if name not in known or name.startswith("_"):
+        construction, parameters = self.script.construction(part.value), _parameters(part.kind)
+        reliable = (
+            construction is not None
+            and construction.arguments is not None
+            and part.kind is type(part.value)
+        )
+        named, values = (
+            (construction.arguments, construction.values)
+            if construction and reliable
+            else (frozenset(), {})
+        )
+        for name in named or ():
+            if name not in names or name.startswith("_"):
                 reason = f"PathView cannot represent parameter {name!r} of {part.kind.__name__}"
                 self._refuse(part.value, reason)
-        if "initial_value" not in known and not same(*_states(part.value)):
+        if "initial_value" not in names and not same(*_states(part.value)):
             self.lost.append(f"{self._called(part.value)} ({part.kind.__name__})")
-        for name in known:
+        for name in names:
             default = parameters[name].default if name in parameters else ...
             value, before = values.get(name, (default, default))
             live = getattr(part.value, name, before)
@@ -217,42 +225,42 @@ class _Reader:
                 live = _state(part.value, live)
             if not same(live, before):  # changed since the part was built
                 value = live
-            if name in (given or ()) or not same(value, default):
+            if name in (named or ()) or not same(value, default):
                 part.arguments[name] = value
 
     def _expression(self, part: Part, name: str, value: Any) -> str:
-        """An expression for a parameter, as the script has it where that gives the value."""
+        """An expression for a parameter, from the script if that gives the value."""
         node = self._node(part, name)
         what = f"parameter {name!r} of {self._called(part.value)}"
         if value is inspect.Parameter.empty:
             self._refuse(part.value, f"{what} cannot be read from the block")
         try:
-            kept = node is not None and self.code.kept(node, value)
-            return kept or self.code.parameter(value, name)
+            written = node is not None and self.code.kept(node, value)
+            return written or self.code.parameter(value, name)
         except Unwritable as unwritable:
             where = node if hasattr(node, "lineno") else None
             self._refuse(part.value, f"{what}: {unwritable}", where)
 
     def _node(self, part: Part, name: str) -> ast.expr | None:
-        """The expression that the script gives for a parameter."""
-        made = self.script.construction(part.value)
-        if made is None or made.given is None:
+        """The script's expression for a parameter."""
+        construction = self.script.construction(part.value)
+        if construction is None or construction.arguments is None:
             return None
-        return named_arguments(made.node, list(_parameters(part.kind))).get(name)
+        return named_arguments(construction.node, list(_parameters(part.kind))).get(name)
 
     def _setting(self, value: Any, node: ast.expr | None) -> str:
         if value is None:
             return ""
-        whole = isinstance(value, float) and value.is_integer()  # `fly` makes 60.0 of 60
-        for live in (value, int(value)) if whole else (value,):
-            if node is not None and (kept := self.code.kept(node, live)):
-                return kept
+        integral = isinstance(value, float) and value.is_integer()  # `fly` makes 60.0 of 60
+        for live in (value, int(value)) if integral else (value,):
+            if node is not None and (written := self.code.kept(node, live)):
+                return written
         return repr(float(value))
 
     # names --------------------------------------------------------------------------------------
 
     def _name_parts(self) -> dict[str, str]:
-        """Name every part; returns their variables by the stand-ins in the code."""
+        """Name every part; return their variables by the stand-ins in the code."""
         variables = {f"__part_{id(self.script.simulation)}": "sim"}
         code = self.code.names | self.code.inner | {*dir(builtins)}
 
@@ -282,17 +290,17 @@ class _Reader:
         return variables
 
     def _wish(self, part: Part, prefix: str) -> str:
-        """How a part is to be shown; ``pitch_rate`` as "pitch rate"."""
+        """The label of a part, such as "pitch rate" for ``pitch_rate``; it may be taken."""
         variables = self.script.names_of(part.value)
         wish = variables[0] if variables else self._original_name(part)
         wish = wish or part.kind.__name__
         for start in (prefix, f"{part.parent.variable}_" if part.parent else ""):
             wish = wish.removeprefix(start) or wish
-        shown = re.sub("_+", " ", wish).strip()
-        return shown if plain(shown) else part.kind.__name__
+        label = re.sub("_+", " ", wish).strip()
+        return label if plain(label) else part.kind.__name__
 
     def _original_name(self, part: Part) -> str:
-        """A name for a part that no variable of the module holds: where it was built."""
+        """The label of a part without a module variable: the target of the call that built it."""
         target = self.script.target(part.value)
         held = self.script.namespace.get(target)
         return "" if isinstance(held, (list, tuple, dict)) else target
@@ -302,14 +310,14 @@ class _Reader:
         owners = {name: toolbox for name, (_, toolbox) in self.types.items()}
         toolboxes = sorted({t for t in owners.values() if t}, key=lambda t: t.package)
         for order in itertools.permutations(toolboxes):
-            found = {name: toolbox for toolbox in order for name in toolbox.blocks()}
-            if all(found.get(name) == toolbox for name, toolbox in owners.items()):
+            resolved = {name: toolbox for toolbox in order for name in toolbox.blocks()}
+            if all(resolved.get(name) == toolbox for name, toolbox in owners.items()):
                 return list(order)
         names = " and ".join(t.package for t in toolboxes)
         self.refuse(f"blocks of the same class name in {names} hide each other; {_BY_NAME}")
 
 
-# Blocks of which PathView keeps as many outputs as inputs
+# blocks for which PathView keeps the numbers of inputs and outputs equal
 _SYNCHRONOUS = (
     "Integrator Differentiator Delay Amplifier Sin Cos Tan Tanh Abs Sqrt Exp Log Log10 Mod Clip "
     "Pow Polynomial Rescale Alias LogicNot SampleHold FirstOrderHold DiscreteIntegrator "
@@ -324,7 +332,7 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
     n = wired
     if kind not in (Interface, Subsystem):
         n = max(len(register if labels is None else labels), wired)
-    # PathView shows eight characters, so keep the last part of a path
+    # PathView shows eight characters: the last part of a path tells most
     names = {
         i: name.rpartition("/")[2] or name
         for ports in (port_names(register), labels or {})
@@ -362,13 +370,13 @@ def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
 
 
 def _states(block: Any) -> tuple[Any, Any]:
-    """The state of a block, and the one that its engine began with; None without an engine."""
+    """The state of a block, and its engine's initial value; None without an engine."""
     engine = getattr(block, "engine", None)
     return engine and np.ravel(engine.state).copy(), engine and np.ravel(engine.initial_value) * 1.0
 
 
 def _state(block: Any, initial: Any) -> Any:
-    """The state of a block, if it is not its initial value: `steadystate` before the run, say."""
+    """The state of a block if it differs from ``initial``, e.g. after `steadystate`."""
     state, _ = _states(block)
     if state is None or same(state, np.ravel(np.asarray(initial, float))):
         return initial
@@ -376,7 +384,7 @@ def _state(block: Any, initial: Any) -> Any:
 
 
 def _prefix(parent: Part | None) -> str:
-    """What PathView puts before the variables of the blocks of a part."""
+    """PathView's prefix for the variables of the blocks in a subsystem."""
     if parent is None:
         return ""
     return prefix_inside(parent.target.name, _prefix(parent.parent))

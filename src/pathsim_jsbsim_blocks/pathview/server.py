@@ -19,7 +19,7 @@ from .toolboxes import required_toolboxes
 # a constant address, because the browser stores the user's settings by address
 PORT = 8360
 _LARGEST = 32 * 2**20  # bytes of a request's body
-_SILENT = 10.0  # s; a page with a run asks for results every second, even if it is hidden
+_SILENT = 10.0  # s; a page with a run polls every second, even if hidden
 
 _HEADERS = {
     "Content-Security-Policy": page.policy(),
@@ -101,8 +101,8 @@ class Server:
             """The file of the page to serve; PathView has one page for unknown paths."""
             if request.endpoint in ("model", "katex") or request.path.startswith("/api/"):
                 return None
-            found = self._files.get(request.path[1:], static / "index.html")
-            return found if found.suffix == ".html" else None
+            file = self._files.get(request.path[1:], static / "index.html")
+            return file if file.suffix == ".html" else None
 
         @app.before_request
         def answer() -> Any:
@@ -110,7 +110,7 @@ class Server:
             if reason := self._access.refusal(request, page=html is not None):
                 return make_response(page.refused(reason), 403)
             if session := request.headers.get("X-Session-ID"):
-                if request.path == "/api/init":  # a page that starts: the one before has gone
+                if request.path == "/api/init":  # a new page replaces the session's previous one
                     _end_run(session)
                 self._heard[session] = time.monotonic()
             if html is not None:
@@ -162,7 +162,7 @@ class Server:
 
 
 def _end_run(session: str) -> None:
-    """End a session's worker if it has results that no page has asked for."""
+    """End a session's worker if it has results that no page has read."""
     from pathview.app import _sessions, remove_session
 
     worker = _sessions.get(session)
@@ -171,7 +171,7 @@ def _end_run(session: str) -> None:
 
 
 def _channels(access: Access) -> type:
-    """Connections on which a request is refused before its body is read."""
+    """A channel class that refuses requests before their body is read."""
     from flask import Request
     from waitress.channel import HTTPChannel
     from waitress.parser import HTTPRequestParser

@@ -21,11 +21,15 @@ _PARAMETERS = {
 
 
 def live_settings(script: FirstRun) -> dict[str, tuple[Any, ast.expr | None]]:
-    """Numbers of the live simulation by PathView's names, each with its expression if it has one.
+    """Numbers of the live simulation by PathView's names, with the script's expressions if any.
 
     PathView's defaults differ from PathSim's.
     """
-    sim, begun, made = script.simulation, script.begun, script.construction(script.simulation)
+    sim, begun, construction = (
+        script.simulation,
+        script.run_start,
+        script.construction(script.simulation),
+    )
     arguments = begun.arguments if begun else {"duration": script.namespace.get("DURATION")}
     if sim.engine.is_adaptive and arguments.get("adaptive") is False:
         script.refuse(
@@ -33,8 +37,8 @@ def live_settings(script: FirstRun) -> dict[str, tuple[Any, ast.expr | None]]:
             script.run_call,
         )
     nodes: dict[str, ast.expr] = {}
-    if made and made.given is not None:
-        nodes = named_arguments(made.node, list(inspect.signature(Simulation).parameters))
+    if construction and construction.arguments is not None:
+        nodes = named_arguments(construction.node, list(inspect.signature(Simulation).parameters))
     nodes |= script.run_arguments()
     for name in ast.walk(script.tree) if begun is None else ():
         if isinstance(name, ast.Name) and name.id == "DURATION":

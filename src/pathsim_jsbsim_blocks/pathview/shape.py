@@ -107,8 +107,8 @@ def _check_depth(content: Any, path: Path) -> None:
 def _check(value: Any, spec: Any, place: str, path: Path) -> None:
     kind = spec if isinstance(spec, type) else type(spec)
     if not _is(value, kind):
-        wanted = _KINDS.get(kind, "an object")
-        _refuse(f"{place} must be {wanted}, not {shortened(repr(value))}", path)
+        expected = _KINDS.get(kind, "an object")
+        _refuse(f"{place} must be {expected}, not {shortened(repr(value))}", path)
     if isinstance(spec, list):
         for i, item in enumerate(value):
             _check(item, spec[0], f"{place}[{i}]", path)
@@ -123,7 +123,7 @@ def _check(value: Any, spec: Any, place: str, path: Path) -> None:
 
 
 def _is(value: Any, kind: type) -> bool:
-    if kind is float:  # as coordinates of a diagram; the JSON of Python has NaN, too
+    if kind is float:  # a coordinate: Python's JSON also reads NaN, which is refused
         return (_is(value, int) or isinstance(value, float)) and -_FAR < value < _FAR
     return isinstance(value, kind) and not isinstance(value, bool)
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 _DEFINITIONS = (ast.FunctionDef, ast.Lambda, ast.ClassDef)
 
 
-class Found(NamedTuple):
+class SourceNode(NamedTuple):
     """A part of a file: its node, and the file's text."""
 
     node: Any
@@ -33,13 +33,13 @@ def _definitions(path: str) -> tuple[str, list[Any]]:
     return source, [n for n in ast.walk(_parsed(path, source)) if isinstance(n, _DEFINITIONS)]
 
 
-def _the_one(source: str, found: list[Any]) -> Found | None:
-    """The definition, if it is not one of several that differ."""
-    alike = len({ast.dump(node) for node in found}) == 1
-    return Found(found[0], source) if alike else None
+def _the_one(source: str, definitions: list[Any]) -> SourceNode | None:
+    """The definition; None if there are several that differ."""
+    alike = len({ast.dump(node) for node in definitions}) == 1
+    return SourceNode(definitions[0], source) if alike else None
 
 
-def of_function(function: types.FunctionType) -> Found | None:
+def of_function(function: types.FunctionType) -> SourceNode | None:
     """The definition of a function."""
     code = function.__code__
     span = _span(code)
@@ -50,15 +50,15 @@ def of_function(function: types.FunctionType) -> Found | None:
             return span == (body.lineno, body.col_offset, body.end_lineno, body.end_col_offset)
         return getattr(node, "name", "<lambda>") == code.co_name
 
-    source, found = _definitions(code.co_filename)
+    source, definitions = _definitions(code.co_filename)
     line = code.co_firstlineno
-    return _the_one(source, [n for n in found if _first_line(n) == line and fits(n)])
+    return _the_one(source, [n for n in definitions if _first_line(n) == line and fits(n)])
 
 
-def of_class(name: str, path: str, lines: list[int]) -> Found | None:
-    """The definition of a class, which has methods in some lines."""
-    source, found = _definitions(path)
-    named = [n for n in found if isinstance(n, ast.ClassDef) and n.name == name]
+def of_class(name: str, path: str, lines: list[int]) -> SourceNode | None:
+    """The definition of a class; ``lines`` are those of its methods, to tell namesakes apart."""
+    source, definitions = _definitions(path)
+    named = [n for n in definitions if isinstance(n, ast.ClassDef) and n.name == name]
     around = [n for n in named if any(n.lineno <= line <= (n.end_lineno or 0) for line in lines)]
     return _the_one(source, around or named)
 
@@ -76,32 +76,32 @@ def _first_line(node: Any) -> int:
     return min(n.lineno for n in (node, *decorators))
 
 
-def first_line(found: Found) -> int:
+def first_line(part: SourceNode) -> int:
     """First line of a statement with its decorators and the comments right above it."""
-    lines, line = found.source.split("\n"), _first_line(found.node)
+    lines, line = part.source.split("\n"), _first_line(part.node)
     while line > 1 and lines[line - 2].lstrip().startswith("#"):
         line -= 1
     return line
 
 
-def with_comments(found: Found, text: str) -> str:
+def with_comments(part: SourceNode, text: str) -> str:
     """The text of a statement with the comments above and beside it."""
-    lines, node = found.source.split("\n"), found.node
+    lines, node = part.source.split("\n"), part.node
     before = lines[node.lineno - 1].encode()[: node.col_offset].decode()
     after = lines[node.end_lineno - 1].encode()[node.end_col_offset :].decode()
     if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
         return text
-    above = lines[first_line(found) - 1 : _first_line(node) - 1]
+    above = lines[first_line(part) - 1 : _first_line(node) - 1]
     return "".join(f"{line.strip()}\n" for line in above) + text + after.rstrip()
 
 
-def text_of(found: Found, new: Mapping[ast.AST, str] = {}, decorated: bool = False) -> str:
+def text_of(part: SourceNode, new: Mapping[ast.AST, str] = {}, decorated: bool = False) -> str:
     """The source of a node, with other text in place of some nodes in it.
 
-    It is as written, unless a text in it spans lines: PathView indents the code before it runs it,
-    which would change such a text.
+    It is as written, unless a string in it spans lines: PathView indents the code before running
+    it, which would change that string.
     """
-    node, source = found
+    node, source = part
     bare: dict[str, Any] = (
         {} if decorated or isinstance(node, ast.Lambda) else {"decorator_list": []}
     )
@@ -127,7 +127,7 @@ def text_of(found: Found, new: Mapping[ast.AST, str] = {}, decorated: bool = Fal
 
 
 def one_line(text: str) -> str:
-    """An expression without line breaks and comments, otherwise as written where that will do."""
+    """An expression without line breaks and comments, otherwise as written if that is valid."""
     if "\n" not in text:
         return text
     out = re.sub(r"[ \t]*#.*", "", text)
@@ -148,14 +148,14 @@ def _rebuilt(value: Any, new: Mapping[ast.AST, str], instead: Mapping[str, Any] 
     if not isinstance(value, ast.AST):
         return value
     if value in new:
-        made: Any = ast.parse(new[value]).body[0]
-        return made if isinstance(value, ast.stmt) else made.value
+        replacement: Any = ast.parse(new[value]).body[0]
+        return replacement if isinstance(value, ast.stmt) else replacement.value
     fields = {k: _rebuilt(v, new) for k, v in ast.iter_fields(value)}
     return type(value)(**{**fields, **instead})
 
 
 def _spans_lines(node: ast.AST) -> bool:
-    """Whether a text in a node, other than a docstring, spans lines."""
+    """Whether a string in a node, other than a docstring, spans lines."""
     documented = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
     docstrings = {
         id(n.body[0].value)
@@ -171,6 +171,6 @@ def _spans_lines(node: ast.AST) -> bool:
 
 
 def _in_formatted(node: ast.AST, inner: ast.AST) -> bool:
-    """Whether a node is in an f-string, whose places are wrong before Python 3.12."""
+    """Whether a node is in an f-string: before Python 3.12 its position is wrong there."""
     texts = (n for n in ast.walk(node) if isinstance(n, ast.JoinedStr))
     return any(n is inner for text in texts for n in ast.walk(text))

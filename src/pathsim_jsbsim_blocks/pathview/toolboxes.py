@@ -1,4 +1,4 @@
-"""The blocks that PathView knows: PathSim's own, and those of toolboxes."""
+"""The blocks available in PathView: PathSim's own, and those of toolboxes."""
 
 from __future__ import annotations
 
@@ -98,17 +98,17 @@ def why_not_import(toolbox: Toolbox, trusted: Sequence[Toolbox] = ()) -> str:
     """
     if toolbox in (OURS, FLIGHT, *trusted):
         return ""
-    asked = f"asks for the toolbox {toolbox.package!r} (module {toolbox.import_path})"
+    required = f"requires the toolbox {toolbox.package!r} (module {toolbox.import_path})"
     if toolbox.id not in {t.id for t in (*_KNOWN, *trusted)}:
         return (
-            f"{asked}, which is not a known PathSim toolbox, and importing it runs its code; "
+            f"{required}, which is not a known PathSim toolbox, and importing it runs its code; "
             f"if you trust it: --trust-toolbox {toolbox.package}"
         )
     if any(part.startswith("_") for part in toolbox.import_path.split(".")):
-        return f"{asked}, which is a private module"
+        return f"{required}, which is a private module"
     if not toolbox.belongs and not toolbox.missing:
         return (
-            f"{asked}, but that module does not belong to that package; if you trust it: "
+            f"{required}, but that module does not belong to that package; if you trust it: "
             f"--trust-toolbox {toolbox.package}:{toolbox.import_path}"
         )
     return ""

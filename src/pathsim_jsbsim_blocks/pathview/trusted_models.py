@@ -28,10 +28,10 @@ _remembered: set[str] = set()  # in this process; the file may be read-only
 def trusted(
     content: Json, path: Path, trust: bool = False, trust_toolboxes: Sequence[str] = ()
 ) -> tuple[Json, str]:
-    """A model that is to run, as PathView can run it, and its script; none of it is executed here.
+    """A trusted model in the form that PathView runs, and its script; none of it is executed here.
 
-    ``content`` is as `pvm.read` gives it: what is checked is what runs. ``trust`` trusts it now and
-    later. An `UntrustedModelError` has the digest by which the model can be trusted.
+    ``content`` comes from `pvm.read`, so the model that runs is the one checked. ``trust`` trusts
+    it now and later. An `UntrustedModelError` has the digest by which the model can be trusted.
     """
     registry = registry_for(content, path, trust_toolboxes=trust_toolboxes)
     model = checked(content, registry, path)
@@ -63,8 +63,8 @@ def digest(content: Json) -> str:
 
     metadata = content.get("metadata")
     if isinstance(metadata, dict):
-        kept = {k: v for k, v in metadata.items() if k not in ("created", "modified")}
-        content = {**content, "metadata": kept}
+        lasting_metadata = {k: v for k, v in metadata.items() if k not in ("created", "modified")}
+        content = {**content, "metadata": lasting_metadata}
     return hashlib.sha256(json.dumps(lasting(content), sort_keys=True).encode()).hexdigest()
 
 
@@ -98,7 +98,7 @@ def _ours() -> set[str]:
 
 def _file() -> Path:
     """File with one digest per line, in the system's folder for application state."""
-    home = Path.home()  # RuntimeError where the user has none, as in some containers
+    home = Path.home()  # RuntimeError if the user has none, as in some containers
     if sys.platform == "win32":
         folder = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
     elif sys.platform == "darwin":

@@ -1,4 +1,4 @@
-"""How PathView names the variables of a script, and names that do not clash there."""
+"""PathView's names for the variables of a script, and how to avoid clashes between them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TAKEN = re.compile(
     r"np|plt|blocks|connections|events|sim|conn_\d+|json|gc|sys|traceback|base64|"
     + "|".join(keyword.kwlist)
 )
-_NAMELESS = {"Interface", "BusCreator", "BusSelector"}  # have no variable of their own name
+_NAMELESS = {"Interface", "BusCreator", "BusSelector"}  # get no variable
 
 
 def plain(name: str) -> str:
@@ -26,7 +26,7 @@ def plain(name: str) -> str:
 
 
 def prefix_inside(subsystem: str, prefix: str) -> str:
-    """What PathView puts before the variables of blocks in a subsystem of this name."""
+    """PathView's prefix for the variables of blocks in a subsystem of this name."""
     return f"{prefix}{plain(subsystem)}_"
 
 
@@ -39,7 +39,7 @@ def printable(name: str) -> str:
 
 
 def unique(wish: str, taken: Callable[[str], bool], mark: str = "_") -> str:
-    """A name that is not taken: ``wish``, or with a number behind it."""
+    """A name that is not taken: ``wish``, with a number appended if needed."""
     numbered = (f"{wish}{mark}{i}" for i in itertools.count(2))
     return next(name for name in itertools.chain([wish], numbered) if not taken(name))
 
@@ -47,15 +47,15 @@ def unique(wish: str, taken: Callable[[str], bool], mark: str = "_") -> str:
 def without_clashes(
     content: Json, assigned: Collection[str], called_later: Collection[str], path: Path
 ) -> Json:
-    """A complete model with new names where a variable would be bound twice.
+    """A complete model in which blocks and events are renamed if a variable would be bound twice.
 
-    Otherwise a parameter that refers to a value of the code would get a block, and a subsystem or
-    the simulation that lists a block would get another one.
+    Otherwise a parameter that refers to a value of the code would get a block, or a list of blocks
+    would contain the wrong one.
 
     The outer block or event keeps its name; within one level, the first does. ``assigned`` are
     names that the code binds, and built-in functions that it uses; ``called_later`` are names to
-    which functions refer. A `DiagramError` names what must not be renamed: what functions refer to,
-    and a subsystem, whose name is the prefix of the names of its blocks.
+    which functions refer. A `DiagramError` names a part that must not be renamed: one to which a
+    function refers, or a subsystem, whose name is the prefix of its blocks' variables.
     """
     taken: set[str] = set()  # variables of the levels done so far
 
@@ -65,12 +65,12 @@ def without_clashes(
     def renamed(part: Json, kind: str, prefix: str) -> Json:
         if part["type"] in _NAMELESS:
             return part
-        whole = part["type"] == "Subsystem"
+        subsystem = part["type"] == "Subsystem"
         for name in filter(is_bound, sorted(_variables(part, prefix))):
-            if whole or name in called_later:
+            if subsystem or name in called_later:
                 raise DiagramError(
-                    f"{'subsystem' if whole else kind} {part['name']!r}: Python, PathView or the "
-                    f"model's code uses the name {name!r} for something else; rename it",
+                    f"{'subsystem' if subsystem else kind} {part['name']!r}: Python, PathView or "
+                    f"the model's code uses the name {name!r} for something else; rename it",
                     path=path,
                 )
 

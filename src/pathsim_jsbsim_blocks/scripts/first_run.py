@@ -31,7 +31,7 @@ from .._core.wiring import warn_of_wiring
 from ..errors import DiagramError
 from .generators import SharedGenerators
 from .names import assignments, bound, own
-from .runs import Beginning, intercepted_runs
+from .runs import RunStart, intercepted_runs
 from .script import Script, is_beside, main_program
 
 _RUNS = ("run", "run_streaming", "run_realtime")
@@ -44,7 +44,7 @@ class FirstRun(Script):
     """A script at the beginning of its first run, or at its end if it runs nothing.
 
     ``capture`` is called with this object at that point, before any cleanup such as ``finally``;
-    ``result`` is what it returns. A `DiagramError` has the line of what fails.
+    ``result`` is its return value. A `DiagramError` has the line that fails.
     """
 
     simulation: Simulation
@@ -62,12 +62,12 @@ class FirstRun(Script):
         except ValueError as error:  # not in the declared encoding, null bytes
             self.refuse(f"not a Python script ({error})")
         self.namespace: dict[str, Any] = {}
-        self.begun: Beginning | None = None  # the first run
+        self.run_start: RunStart | None = None  # the first run
         self.lines: list[int] = []  # of the script in the frames around the run, outermost first
         # method and line of calls before the run that change the simulation's state
         self.states: list[tuple[str, int | None]] = []
         self.result: Any = None
-        self.generators: SharedGenerators  # what has become of them when the run begins
+        self.generators: SharedGenerators  # as they are when the run begins
         self._parents = {
             child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)
         }
@@ -89,13 +89,13 @@ class FirstRun(Script):
             ):
                 self.namespace, self.generators = vars(module), SharedGenerators()
                 self.run(module)
-                if self.begun is None:  # the script may have caught what ends it
+                if self.run_start is None:  # the script may have caught what ends it
                     self._capture()
         except SystemExit as error:
             if error.code not in (None, 0):
                 hint = "; PathView passes no arguments to a script" if error.code == 2 else ""
                 self._refuse_failure(error, hint)
-            if self.begun is None:
+            if self.run_start is None:
                 self._capture()
         except Exception as error:
             self._refuse_failure(error)
@@ -106,12 +106,12 @@ class FirstRun(Script):
             self.generators.look()
         if make in _GENERATORS and all(x is None for x in (*args, *kwargs.values())):
             self.generators.drawn = True
-        made = super()._call(index, make, *args, **kwargs)
-        if builds and draws_from_shared(made):  # what a block draws, the model's draws itself
+        part = super()._call(index, make, *args, **kwargs)
+        if builds and draws_from_shared(part):  # the model's own block draws these numbers again
             self.generators.look(own=False)
-        return made
+        return part
 
-    def _begin(self, run: Beginning) -> None:
+    def _begin(self, run: RunStart) -> None:
         if self._capturing:  # `capture` makes the first run itself
             return
         if os.getpid() != self._process:
@@ -120,12 +120,12 @@ class FirstRun(Script):
         if run.method in _STATES:
             self.states.append((run.method, lines[-1] if lines else None))
             return
-        if self.begun is None:  # a script may catch what ends it, and run again
-            self.begun, self.lines = run, lines
+        if self.run_start is None:  # a script may catch what ends it, and run again
+            self.run_start, self.lines = run, lines
             if run.arguments.get("reset"):
                 run.simulation.reset()
             self._capture()
-        raise SystemExit  # it ends a thread silently
+        raise SystemExit  # ends a thread without a traceback
 
     def _capture(self) -> None:
         """Read the finished diagram; errors are stored, because the script could catch them."""
@@ -144,30 +144,30 @@ class FirstRun(Script):
             self._capturing = False
 
     def _the_simulation(self) -> Simulation:
-        if self.begun is not None:
-            return self.begun.simulation
-        found = {id(v): v for v in self.namespace.values() if isinstance(v, Simulation)}
-        if not found:
-            why = "the script runs no Simulation, and has none at its top level"
+        if self.run_start is not None:
+            return self.run_start.simulation
+        simulations = {id(v): v for v in self.namespace.values() if isinstance(v, Simulation)}
+        if not simulations:
+            why = "the script neither runs a Simulation nor has one at its top level"
             self.refuse(f"{why}; run it, or build it outside functions")
-        if len(found) == 1:
-            return next(iter(found.values()))
+        if len(simulations) == 1:
+            return next(iter(simulations.values()))
         if isinstance(self.namespace.get("sim"), Simulation):
             return self.namespace["sim"]
-        self.refuse(f"the script builds {len(found)} simulations; name the one to show 'sim'")
+        self.refuse(f"the script builds {len(simulations)} simulations; name the one to show 'sim'")
 
     def _find_run(self) -> ast.Call | None:
-        if self.begun is None or not self.lines:
+        if self.run_start is None or not self.lines:
             return None
         calls = (n for n in ast.walk(self.tree) if isinstance(n, ast.Call))
-        line, method = self.lines[-1], self.begun.method
+        line, method = self.lines[-1], self.run_start.method
         return next((n for n in calls if line in _lines(n) and _name(n) == method), None)
 
     def run_arguments(self) -> dict[str, ast.expr]:
         """The expressions given to the call that runs the simulation for a duration."""
-        if self.begun is None or self.run_call is None or self.begun.method in _STEPS:
+        if self.run_start is None or self.run_call is None or self.run_start.method in _STEPS:
             return {}
-        method = self.begun.method
+        method = self.run_start.method
         run = fly if method == "fly" else getattr(self.simulation, method)
         return named_arguments(self.run_call, list(inspect.signature(run).parameters))
 
@@ -205,20 +205,20 @@ class FirstRun(Script):
         return bound(n.target for n in loops) - assigned
 
     def called(self, part: Any) -> str:
-        """What an error message calls a part of the diagram."""
+        """The name of a part of the diagram in error messages."""
         names = self.names_of(part)
         return repr(names[0]) if names else f"this {type(part).__name__}"
 
     def built_at(self, part: Any) -> ast.AST | None:
         """The expression that builds a part."""
-        made = self.construction(part)
-        return made.node if made else None
+        construction = self.construction(part)
+        return construction.node if construction else None
 
     def last_mention(self, *names: str) -> Any:
         """The last statement before the run that mentions a name and builds nothing."""
         last = self.lines[-1] if self.lines else math.inf
-        building = {made.node for made in self._built.values()}
-        found = [
+        building = {c.node for c in self._built.values()}
+        mentions = [
             node
             for node in ast.walk(self.tree)
             if isinstance(node, (ast.Expr, ast.Assign, ast.AugAssign, ast.Delete, ast.AnnAssign))
@@ -226,7 +226,7 @@ class FirstRun(Script):
             and not building.intersection(ast.walk(node))
             and {n.id for n in ast.walk(node) if isinstance(n, ast.Name)} & {*names}
         ]
-        return max(found, key=lambda n: n.lineno, default=None)
+        return max(mentions, key=lambda n: n.lineno, default=None)
 
     def is_beside(self, module: str) -> bool:
         """Whether a module is the script, or a file beside it, which a model does not have."""
@@ -236,8 +236,8 @@ class FirstRun(Script):
         """The file of a module, and its names."""
         if module == "__main__":
             return str(self.path), self.namespace
-        found = sys.modules[module]
-        return str(found.__file__), vars(found)
+        loaded = sys.modules[module]
+        return str(loaded.__file__), vars(loaded)
 
     def attributes_of(self, name: str) -> list[str]:
         """The attributes of a module that the script uses."""
@@ -249,8 +249,8 @@ class FirstRun(Script):
         node: Any = self.built_at(value)
         parent: Any = self._parents.get(node)
         for around in filter(None, (parent, self._parents.get(parent))):  # ``a, b = f(), g()``
-            for name, made in assignments(around):
-                if made is node:
+            for name, value_node in assignments(around):
+                if value_node is node:
                     return name.id
         target = getattr(parent, "targets", [None])[0]
         if isinstance(parent, ast.Dict) and node in parent.values:
@@ -260,24 +260,24 @@ class FirstRun(Script):
 
     def left_out(self) -> list[tuple[int, str]]:
         """The runs of the script after its first one, by line."""
-        if self.begun is None or not self.lines:
+        if self.run_start is None or not self.lines:
             return []
-        first, last, found = self.lines[0], self.lines[-1], dict[int, str]()
-        steps = self.begun.method in _STEPS
+        first, last, runs = self.lines[0], self.lines[-1], dict[int, str]()
+        steps = self.run_start.method in _STEPS
         if steps:
-            found[last] = f"how long {self.begun.method}() goes on"
+            runs[last] = f"the number of calls of {self.run_start.method}()"
         for node in ast.walk(self.tree):
             if isinstance(node, (ast.For, ast.While)) and last in _lines(node):
                 if not steps:
-                    found[node.lineno] = "the loop runs the simulation again"
+                    runs[node.lineno] = "the loop runs the simulation again"
             elif (
                 isinstance(node, ast.Call)
                 and _name(node) in (*_RUNS, *_STATES, "fly")
                 and node.lineno > first
                 and node is not self.run_call
             ):
-                found[node.lineno] = f"{ast.unparse(node.func)}()"
-        return sorted(found.items())
+                runs[node.lineno] = f"{ast.unparse(node.func)}()"
+        return sorted(runs.items())
 
 
 def named_arguments(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
@@ -290,7 +290,7 @@ def named_arguments(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]
 
 
 def _name(call: ast.Call) -> str:
-    """Name of the function or method that a call is written with."""
+    """Name of the function or method that is called."""
     return getattr(call.func, "attr", getattr(call.func, "id", ""))
 
 
@@ -306,7 +306,7 @@ def _is_main_guard(statement: ast.stmt) -> TypeGuard[ast.If]:
 
 @contextmanager
 def _undone() -> Iterator[None]:
-    """Put back what a script changes of the process, and log no diagrams."""
+    """Restore the process state that a script changes, and suppress PathSim's log."""
     before = logging.root.manager.disable
     with ExitStack() as stack:
         stack.callback(os.chdir, os.getcwd())

@@ -1,31 +1,31 @@
-"""What a script does with the generators of random numbers that NumPy and Python share."""
+"""Whether a script seeds, or draws from, the shared random generators of NumPy and Python."""
 
 import random
 from typing import Any
 
 import numpy as np
 
-_WORDS = 624  # in the state of a Mersenne twister, which both are
-_STATES = 2000  # a state that so many draws of 624 words do not reach was set
+_WORDS = 624  # in the state of a Mersenne twister, the type of both generators
+_STATES = 2000  # blocks of 624 words; a state not reached within so many draws was set
 
 State = tuple[list[int], int]  # words, and how many of them are used
 
 
 class SharedGenerators:
-    """Their states before a script, and what becomes of them at each look.
+    """Compares the generators' states at each `look` with those at the last.
 
     ``drawn`` tells whether numbers without a seed were drawn; ``set`` names the modules whose
     generator was seeded, or given a state; ``seed`` is the last seed of NumPy's.
     """
 
     def __init__(self) -> None:
-        random.seed()  # a normal number that is left over would change no state
+        random.seed()  # drops a cached normal number, whose use would change no state
         np.random.seed()  # noqa: NPY002
         self.drawn, self.seed, self.set = False, None, set[str]()
         self._states = _states()
 
     def look(self, own: bool = True) -> None:
-        """``own`` if what has happened since the last look is the script's doing."""
+        """Update the states; ``own`` if the script itself caused the changes since the last."""
         before, self._states = self._states, _states()
         for name, state in self._states.items() if own else ():
             if not _follows(state, before[name]):
@@ -48,7 +48,7 @@ def _state(generator: Any) -> State:
 
 
 def _follows(state: State, before: State) -> bool:
-    """Whether draws lead from one state to another."""
+    """Whether one state is reached from another by drawing numbers."""
     generator: Any = np.random.RandomState()
     generator.set_state(("MT19937", before[0], _WORDS))
     for count in range(_STATES):

@@ -10,7 +10,7 @@ _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
 
 def references(node: ast.AST, local: frozenset[str] = frozenset()) -> Iterator[ast.Name]:
-    """The ``Name`` nodes in ``node`` that mean names of the module, not of an inner scope."""
+    """The ``Name`` nodes in ``node`` that refer to the module's scope, not to an inner one."""
     if isinstance(node, ast.Name):
         if node.id not in local:
             yield node

@@ -1,8 +1,8 @@
 """Contexts in which the runs of a script are counted, changed, watched or kept in real time.
 
-They replace public methods of ``Simulation`` that start or step a run, for calls of the thread that
-entered the context only, and put them back at its end. `fly` is told by `running.in_place`. Nothing
-else in the package replaces anything of PathSim.
+They replace public methods of ``Simulation`` that start or step a run, only for calls of the thread
+that entered the context, and restore them at its end; `fly` looks into `running.in_place`. No other
+part of the package replaces anything in PathSim.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from .._core.progress import progress_bar
 from .._core.running import in_place, watched_run
 from .._core.wiring import warn_of_wiring
 
-# gets a run as it would be, the simulation, the method's name or "fly", and the arguments
+# called with the original method, the simulation, the method's name or "fly", and the arguments
 Around = Callable[[Callable[..., Any], Simulation, str, dict[str, Any]], Any]
 
-# Hz; how often simulated and real time are compared
+# Hz, rate at which simulated and real time are compared
 _TICKS = 30
 
 
@@ -90,32 +90,36 @@ def _replacing(name: str, usual: Callable[..., Any]) -> Callable[..., Any]:
     return replaced
 
 
-def _flight(fly: Callable[..., Any], sim: Simulation, **given: Any) -> Any:
-    return _through("fly", fly, sim, given)
+def _flight(fly: Callable[..., Any], sim: Simulation, **arguments: Any) -> Any:
+    return _through("fly", fly, sim, arguments)
 
 
 def _through(
-    name: str, usual: Callable[..., Any], sim: Simulation, given: dict[str, Any], depth: int = 0
+    name: str,
+    usual: Callable[..., Any],
+    sim: Simulation,
+    call_arguments: dict[str, Any],
+    depth: int = 0,
 ) -> Any:
-    """Call what the contexts of this thread put around a method, the innermost first."""
+    """Call a method through the contexts of this thread, the innermost first."""
     running = vars(_running).setdefault("simulations", [])
     layers = [x for x in _layers.get(threading.get_ident(), ())[::-1] if name in x.methods]
     if sim in running or depth == len(layers):
         running.append(sim)
         try:
-            return usual(sim, **given)
+            return usual(sim, **call_arguments)
         finally:
             running.remove(sim)
 
     def further(sim: Simulation, **arguments: Any) -> Any:
         return _through(name, usual, sim, arguments, depth + 1)
 
-    return layers[depth].around(further, sim, name, given)
+    return layers[depth].around(further, sim, name, call_arguments)
 
 
 @dataclass
-class Beginning:
-    """A run that begins: of which simulation, by which method or `fly`, with which arguments."""
+class RunStart:
+    """The start of a run: its simulation, the method's name or "fly", and the arguments."""
 
     simulation: Simulation
     method: str
@@ -123,29 +127,31 @@ class Beginning:
 
 
 def intercepted_runs(
-    begin: Callable[[Beginning], None], *methods: str
+    begin: Callable[[RunStart], None], *methods: str
 ) -> contextlib.AbstractContextManager[None]:
     """Context in which ``begin`` is called before each run; it may change arguments, or raise."""
 
-    def around(usual: Callable[..., Any], sim: Simulation, name: str, given: dict[str, Any]) -> Any:
-        begin(Beginning(sim, name, given))
-        return usual(sim, **given)
+    def around(
+        usual: Callable[..., Any], sim: Simulation, name: str, arguments: dict[str, Any]
+    ) -> Any:
+        begin(RunStart(sim, name, arguments))
+        return usual(sim, **arguments)
 
     return replaced_runs(around, *methods)
 
 
 def with_duration(duration: float | None) -> contextlib.AbstractContextManager[None]:
-    """Context in which the one run of a script has a duration, if one is given.
+    """Context that sets the duration of a script's only run, s; a second run is refused.
 
-    A second run is refused.
+    None leaves the durations as they are.
     """
     if duration is None:
         return contextlib.nullcontext()
     seconds, runs = number("duration", positive("duration", duration)), itertools.count()
 
-    def begin(run: Beginning) -> None:
+    def begin(run: RunStart) -> None:
         if next(runs):
-            why = f"which of its runs is to last {seconds:g} s is not clear"
+            why = f"it is not clear which run should last {seconds:g} s"
             refuse("duration", duration, f"the script runs more than once: {why}")
         run.arguments["duration"] = seconds
 
@@ -153,18 +159,20 @@ def with_duration(duration: float | None) -> contextlib.AbstractContextManager[N
 
 
 def with_progress() -> contextlib.AbstractContextManager[None]:
-    """Context in which ``Simulation.run`` begins as `fly` does, and shows progress.
+    """Context in which ``Simulation.run`` makes the checks of `fly` and shows progress.
 
-    It refuses a step that never gets on, and warns of the wiring.
+    It refuses a step that is not positive, and warns about unconnected ports.
     """
 
-    def around(usual: Callable[..., Any], sim: Simulation, name: str, given: dict[str, Any]) -> Any:
+    def around(
+        usual: Callable[..., Any], sim: Simulation, name: str, arguments: dict[str, Any]
+    ) -> Any:
         keep_warnings_visible()
         if sim.dt is not None:
             number("dt", positive("dt", sim.dt))
         warn_of_wiring(sim)
-        # where it logs, PathSim itself shows the progress
-        return (usual if name == "fly" or sim.log else watched_run)(sim, **given)
+        # a simulation that logs shows its progress itself
+        return (usual if name == "fly" or sim.log else watched_run)(sim, **arguments)
 
     return replaced_runs(around)
 
@@ -173,10 +181,9 @@ def with_progress() -> contextlib.AbstractContextManager[None]:
 class Pace:
     """How well runs have kept up with the clock."""
 
-    # s in the diagrams and on the clock, and the most that a diagram was behind
-    simulated: float = 0.0
-    real: float = 0.0
-    worst: float = 0.0
+    simulated: float = 0.0  # s of simulated time
+    real: float = 0.0  # s of real time
+    worst: float = 0.0  # s, maximum delay of a diagram
 
     def __str__(self) -> str:
         return (
@@ -190,14 +197,14 @@ def in_real_time() -> Iterator[Pace]:
     """Context in which ``Simulation.run`` and `fly` are PathSim's ``run_realtime``."""
     pace = Pace()
 
-    def around(_: Any, sim: Simulation, name: str, given: dict[str, Any]) -> dict[str, Any]:
-        if given["reset"]:
-            # `run_realtime` takes its start before it resets
+    def around(_: Any, sim: Simulation, name: str, arguments: dict[str, Any]) -> dict[str, Any]:
+        if arguments["reset"]:
+            # `run_realtime` would read its start time before resetting
             sim.reset()
-        # nor does it begin where the last run was stopped
+        # unlike `run`, it does not restart a simulation that was stopped
         setattr(sim, ON, True)
-        duration, began, start = given["duration"], time.perf_counter(), sim.time
-        adaptive = given.get("adaptive", True)
+        duration, began, start = arguments["duration"], time.perf_counter(), sim.time
+        adaptive = arguments.get("adaptive", True)
         with progress_bar(duration) as bar:
             for _ in sim.run_realtime(duration, adaptive=adaptive, tickrate=_TICKS):
                 passed = sim.time - start

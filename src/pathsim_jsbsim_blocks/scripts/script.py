@@ -36,16 +36,16 @@ class Construction:
     node: ast.Call
     value: Any
     # parameters that the call gives; None where a function of the script builds the object
-    given: frozenset[str] | None
+    arguments: frozenset[str] | None
     values: dict[str, tuple[Any, Any]]  # of all parameters, each with the object's attribute then
 
 
 class Script:
     """A script's text, with settings that take effect when it runs; see `Settings`.
 
-    ``source`` is its text instead of the file's; with ``recorded`` it is recorded which call builds
-    which part of a diagram. ``tree`` is its syntax tree; ``seeded`` is what it has built with a
-    ``seed`` that follows from the settings.
+    ``source`` is its text instead of the file's; ``recorded`` records which call builds which part
+    of a diagram. ``tree`` is its syntax tree; ``seeded`` are the objects that it has built with a
+    ``seed`` that depends on the settings.
     """
 
     def __init__(
@@ -80,38 +80,38 @@ class Script:
         return module
 
     def run(self, module: types.ModuleType) -> None:
-        """Execute the script in a module; a `SettingError` names a setting without a place."""
+        """Execute the script in a module; a `SettingError` names a setting that was not used."""
         setattr(module, _CALL, self._call)
         setattr(module, _SET, self._settings.constant)
         exec(self._code, vars(module))
         self._settings.refuse_unused()
 
     def construction(self, value: Any) -> Construction | None:
-        """Where an object was built; None if no call of the script did."""
+        """The call that built an object; None if no call of the script did."""
         return self._built.get(id(value))
 
     def _call(self, index: bytes, make: Any, /, *args: Any, **kwargs: Any) -> Any:
         node, settings = self._calls[int(index)], self._settings
         if node in settings.calls:
             args, kwargs = settings.arguments(settings.calls[node], make, args, kwargs)
-        made = make(*args, **kwargs)
+        part = make(*args, **kwargs)
         if node in settings.seeding:
-            self.seeded.append(made)
-        if self._recorded and isinstance(made, (Block, Event, Simulation)):
-            given, values = None, {}
-            if make is type(made):
+            self.seeded.append(part)
+        if self._recorded and isinstance(part, (Block, Event, Simulation)):
+            arguments, values = None, {}
+            if make is type(part):
                 bound = inspect.signature(make).bind(*args, **kwargs)
-                given = frozenset(bound.arguments)
+                arguments = frozenset(bound.arguments)
                 bound.apply_defaults()
                 values = {
-                    n: (copied(v), copied(getattr(made, n, v))) for n, v in bound.arguments.items()
+                    n: (copied(v), copied(getattr(part, n, v))) for n, v in bound.arguments.items()
                 }
-            self._built.setdefault(id(made), Construction(node, made, given, values))
-        return made
+            self._built.setdefault(id(part), Construction(node, part, arguments, values))
+        return part
 
 
 def copied(value: Any) -> Any:
-    """A value as it is now, if it is an array or a collection."""
+    """A copy of an array or a collection; other values as they are."""
     if isinstance(value, np.ndarray):
         return value.copy()
     if type(value) in (list, tuple, set):
@@ -146,7 +146,7 @@ class _Rewriter(ast.NodeTransformer):
 
     def _number(self, call: Any) -> ast.Constant:
         self.calls.append(call)
-        # as bytes: the numbers in a function stay its own
+        # as bytes, so that the numbers among a function's constants stay the script's own
         return ast.Constant(b"%d" % (len(self.calls) - 1))
 
 

@@ -28,11 +28,11 @@ _LITERAL = (*_NUMBER, ast.List, ast.Tuple, ast.Dict, ast.expr_context)
 
 
 class SettingError(ParameterError):
-    """A setting that the script has no place for, whatever its value."""
+    """A setting that the script does not offer, whatever its value."""
 
 
 class Text(str):
-    """A value as it is typed on the command line; what it replaces tells how to read it."""
+    """A value as typed on the command line; the value that it replaces decides how to read it."""
 
     def read(self, name: str, replaced: Any) -> Any:
         """The value: a number, list, ... in Python's notation, such as ``1/120``, or the text."""
@@ -69,9 +69,9 @@ class Settings:
         self._script, self._values, self._waiting = script, dict(values), set(values)
         constants = _constants(tree)
         self.assigned = constants.keys()
-        made = _made(tree)
+        calls = _calls(tree)
         for name in values:
-            if reason := self._misplaced(name, tree, constants, made):
+            if reason := self._misplaced(name, tree, constants, calls):
                 self._refuse(name, reason)
         # names of constants by the expressions that they are assigned
         self.constants = {constants[name]: name for name in values if name in constants}
@@ -80,7 +80,7 @@ class Settings:
             if dot:
                 self._parameters.setdefault(block, []).append(parameter)
         # names of blocks by the calls that make them
-        self.calls = {call: name for name in self._parameters for call in made[name]}
+        self.calls = {call: name for name in self._parameters for call in calls[name]}
         # calls with a seed that follows from the values
         self.seeding = {c for c, block in self.calls.items() if "seed" in self._parameters[block]}
         following = _following(self.constants.values(), tree)
@@ -94,9 +94,13 @@ class Settings:
         )
 
     def _misplaced(
-        self, name: Any, tree: ast.Module, constants: Collection[str], made: Mapping[str, Any]
+        self,
+        name: Any,
+        tree: ast.Module,
+        constants: Collection[str],
+        calls_by_variable: Mapping[str, Any],
     ) -> str:
-        """Why the script has no place for a setting; empty if it has."""
+        """Reason why the script does not offer a setting; empty if it does."""
         match = _NAME.fullmatch(name) if isinstance(name, str) else None
         if match is None:
             return "a name is NAME or BLOCK.PARAMETER"
@@ -105,16 +109,18 @@ class Settings:
             if variable not in constants:
                 inside = [
                     f"{block}.{variable}"
-                    for block, calls in made.items()
+                    for block, calls in calls_by_variable.items()
                     if any(k.arg == variable for call in calls for k in call.keywords)
                 ]
                 reason = f"{self._script} has no constant {variable!r} that it assigns once"
-                names = [name for name in constants if name not in made]
-                return reason + (did_you_mean(inside) or _listed(variable, names, made))
+                names = [name for name in constants if name not in calls_by_variable]
+                return reason + (
+                    did_you_mean(inside) or _listed(variable, names, calls_by_variable)
+                )
             return "" if variable in used(tree) else f"{self._script} never uses it"
-        if not made.get(variable):
+        if not calls_by_variable.get(variable):
             reason = f"{self._script} assigns no block to {variable!r}"
-            return reason + _listed(variable, made)
+            return reason + _listed(variable, calls_by_variable)
         stored = (n for n in ast.walk(tree) if isinstance(n, ast.Attribute) and _is_stored(n))
         lines = [node.lineno for node in stored if ast.unparse(node) == name]
         return f"{self._script} sets it itself, in line {lines[0]}" if lines else ""
@@ -125,37 +131,37 @@ class Settings:
             parameters = _named(inspect.signature(type(replaced)))
             example = f", such as {name}.{next(iter(parameters))}" if parameters else ""
             kind = type(replaced).__name__
-            self._refuse(name, f"it is of class {kind}: set a parameter of it{example}")
+            self._refuse(name, f"it is of class {kind}: set one of its parameters{example}")
         return self._taken(name, replaced)
 
     def arguments(
         self, variable: str, make: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]
     ) -> tuple[tuple[Any, ...], dict[str, Any]]:
         """The arguments of the call that makes a block, with the values set."""
-        given = self._parameters[variable]
+        names = self._parameters[variable]
         try:
             signature = inspect.signature(make)
         except (TypeError, ValueError):
-            self._refuse(f"{variable}.{given[0]}", f"the parameters of {make!r} are not known")
+            self._refuse(f"{variable}.{names[0]}", f"the parameters of {make!r} are not known")
         try:
             bound = signature.bind_partial(*args, **kwargs)
         except TypeError:
-            return args, kwargs  # the call itself says what is wrong
-        known = _named(signature)
+            return args, kwargs  # the call itself raises the better error
+        parameters = _named(signature)
         # a function may pass further keywords on
         further = [n for n, p in signature.parameters.items() if p.kind is p.VAR_KEYWORD]
         passed: dict[str, Any] = bound.arguments.get(further[0], {}) if further else {}
-        for parameter in given:
+        for parameter in names:
             name = f"{variable}.{parameter}"
-            if parameter in known:
-                replaced = bound.arguments.get(parameter, known[parameter].default)
+            if parameter in parameters:
+                replaced = bound.arguments.get(parameter, parameters[parameter].default)
                 bound.arguments[parameter] = self._taken(name, replaced)
             elif parameter in passed:
                 passed[parameter] = self._taken(name, passed[parameter])
             else:
                 what = getattr(make, "__name__", repr(make))
                 reason = f"{what} has no parameter {parameter!r}"
-                self._refuse(name, reason + _listed(parameter, [*known, *passed]))
+                self._refuse(name, reason + _listed(parameter, [*parameters, *passed]))
         return bound.args, bound.kwargs
 
     def _taken(self, name: str, replaced: Any) -> Any:
@@ -164,13 +170,13 @@ class Settings:
         return value.read(name, replaced) if isinstance(value, Text) else value
 
     def refuse_unused(self) -> None:
-        """Raise for a setting that the script has not come across."""
+        """Raise for a setting whose line the script did not execute."""
         for name in sorted(self._waiting):
-            self._refuse(name, f"{self._script} has not come to the line that has it")
+            self._refuse(name, f"{self._script} did not execute the line that uses it")
 
 
 def _constants(tree: ast.Module) -> dict[str, ast.expr]:
-    """What is assigned to each name that the top level binds once, and nothing else changes."""
+    """The expression assigned to each name that is bound exactly once, at the top level."""
     times = Counter(n.id for n in own(tree.body) if isinstance(n, ast.Name) and _is_stored(n))
     other = {name for n in ast.walk(tree) if isinstance(n, ast.Global) for name in n.names}
     other |= {name for n in own(tree.body) if isinstance(n, _BINDING) for name in bound([n])}
@@ -183,21 +189,21 @@ def _constants(tree: ast.Module) -> dict[str, ast.expr]:
     }
 
 
-def _made(tree: ast.Module) -> dict[str, list[ast.Call]]:
+def _calls(tree: ast.Module) -> dict[str, list[ast.Call]]:
     """The calls from which each variable is assigned, at any level."""
-    found: dict[str, list[ast.Call]] = {}
+    calls: dict[str, list[ast.Call]] = {}
     for target, value in (pair for node in ast.walk(tree) for pair in assignments(node)):
         if isinstance(value, ast.Call):
-            found.setdefault(target.id, []).append(value)
-    return found
+            calls.setdefault(target.id, []).append(value)
+    return calls
 
 
 def _listed(name: str, names: Iterable[str], blocks: Collection[str] = ()) -> str:
-    """What there is instead: the nearest, or all."""
+    """A hint: the nearest names, or all."""
     names, close = [*names], did_you_mean(nearest(name, [*names]))
-    there = [", ".join(names)] if names else []
-    there += [f"parameters of {', '.join(blocks)}"] if blocks else []
-    return close or (f"; there is {' and '.join(there)}" if there else "")
+    lists = [", ".join(names)] if names else []
+    lists += [f"parameters of {', '.join(blocks)}"] if blocks else []
+    return close or (f"; available: {' and '.join(lists)}" if lists else "")
 
 
 def _is_stored(node: ast.Name | ast.Attribute) -> bool:
@@ -205,23 +211,23 @@ def _is_stored(node: ast.Name | ast.Attribute) -> bool:
 
 
 def _named(signature: inspect.Signature) -> dict[str, inspect.Parameter]:
-    """Parameters that have a name for the caller."""
+    """Parameters that can be passed by name."""
     named = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
     return {n: p for n, p in signature.parameters.items() if p.kind in named}
 
 
 def _following(names: Iterable[str], tree: ast.AST) -> set[str]:
-    """The variables whose values follow from those of ``names``, these included."""
-    found, before = set(names), set[str]()
-    while found != before:
-        before = set(found)
+    """The variables whose values depend on those of ``names``, these included."""
+    variables, before = set(names), set[str]()
+    while variables != before:
+        before = set(variables)
         for node in ast.walk(tree):
             value = getattr(node, "value", None) or getattr(node, "iter", None)
             if isinstance(value, ast.AST) and _names(value) & before:
                 targets = getattr(node, "targets", None) or [getattr(node, "target", None)]
                 inner = (n for t in targets if t for n in ast.walk(t))
-                found |= {n.id for n in inner if isinstance(n, ast.Name)}
-    return found
+                variables |= {n.id for n in inner if isinstance(n, ast.Name)}
+    return variables
 
 
 def _names(expression: ast.AST) -> set[str]:

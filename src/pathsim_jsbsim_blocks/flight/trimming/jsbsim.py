@@ -9,7 +9,7 @@ import jsbsim
 from ..._core.aircraft_ports import property_of
 from ..airframe import Airframe
 from ..console import messages
-from ..forked import Outcome, rehearse
+from ..forked import Outcome, run_in_fork
 from .condition import MODES, TrimCondition
 from .failure import LIMITS, failure
 
@@ -58,10 +58,10 @@ def find(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
         return True
 
     # on the ground it may read invalid memory (f15, SGS, minisgs)
-    outcome = rehearse(search, _LONGEST_SEARCH) if on_ground else Outcome.ENDS
-    if outcome is not Outcome.ENDS:
+    outcome = run_in_fork(search, _LONGEST_SEARCH) if on_ground else Outcome.OK
+    if outcome is not Outcome.OK:
         why = "JSBSim's search would crash there"
-        if outcome is Outcome.GOES_ON:
+        if outcome is Outcome.TIMEOUT:
             why = f"the search was given up after {_LONGEST_SEARCH} s of computing"
         raise failure(airframe, condition, "no convergence", why)
     # hushed: the TrimError reports the failure
