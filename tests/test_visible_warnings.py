@@ -12,7 +12,7 @@ SCRIPT = Path(__file__).parent / "warned_script.py"
 SAID = [
     "jumps over a sample instant",
     "DiscretePID measures 0 where no wire comes in: y",
-    "a worker process died while these points were under way",
+    "a worker process died while it computed these points",
     "worker died at x=2",
     "the user's own",
 ]

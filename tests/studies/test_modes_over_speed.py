@@ -54,8 +54,8 @@ def test_the_chart_has_frequency_damping_and_real_poles(table):
 @pytest.mark.parametrize(
     ("given", "error", "said"),
     [
-        ({"speeds": [100]}, ParameterError, "those of one aircraft"),
-        ({"aircraft": "A4"}, ParameterError, "give those of 'A4'"),
+        ({"speeds": [100]}, ParameterError, "speeds need an aircraft"),
+        ({"aircraft": "A4"}, ParameterError, "'A4' needs speeds"),
         ({"aircraft": "c172q", "speeds": [100]}, AircraftError, "c172x"),
         ({"aircraft": "c172p", "speeds": []}, ParameterError, "speeds"),
     ],

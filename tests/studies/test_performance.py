@@ -159,7 +159,7 @@ def test_a_model_that_climbs_ever_better_has_no_ceiling():
     plane = plane_of("F4N", 5000.0, part="level")
     _ceilings(plane)
     for row in plane.rows:
-        assert row["reason"] == "above 90000 ft: its rate of climb is least at 55000 ft"
+        assert row["reason"] == "above 90000 ft: its rate of climb is minimum at 55000 ft"
 
 
 def test_a_chart_resumes_from_its_file(tmp_path, monkeypatch):
@@ -282,7 +282,7 @@ def test_a_model_whose_lift_over_drag_grows_down_to_the_stall_has_no_best_glide(
     ratios = [lift_over_drag("T37", glide) for glide in glides[::3]]
     assert ratios == sorted(ratios, reverse=True)
     assert math.isnan(best["value"])
-    assert best["reason"] == "lift over drag grows down to the stall"
+    assert best["reason"] == "L/D still increases at the stall"
 
 
 @pytest.mark.long

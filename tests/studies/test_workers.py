@@ -226,7 +226,7 @@ def test_an_interrupted_sweep_keeps_what_is_finished(tmp_path):
         run(interrupted, PARTS, resume=path, jobs=1)
     assert len(path.read_text().splitlines()) == 3
     assert run(squares, PARTS, resume=path, jobs=1) == SQUARES
-    with pytest.raises(KeyboardInterrupt, match=r"^5 of 8 points done, lost: name a file"):
+    with pytest.raises(KeyboardInterrupt, match=r"^5 of 8 points done, lost; name a file"):
         run(interrupted, PARTS, jobs=1)
     assert signal.getsignal(signal.SIGINT) is before
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-_OWN = ("completed", "reason")  # columns of the table that are no case's
+_OWN = ("completed", "reason")  # columns that the table adds to those of the cases
 
 
 def run_batch(
@@ -49,26 +49,27 @@ def run_batch(
     Parameters
     ----------
     build : callable, str or Path
-        a diagram of the catalogue by its name, or the path of a script: each case names blocks and
-        constants of it, ``{"hold.theta_ref": [2, 3, 4]}``, as ``load_diagram`` takes them. The
-        script is imported, its ``sim`` flown and ``measure`` called. Every block with random
-        numbers, such as turbulence, sensors and PathSim's noise sources, gets its own seed
-        from that of the case; a seed written in the script has no effect.
-        Or a function, called as ``build(**case)``: builds the diagram, runs it, and returns what it
-        measured as a dict of numbers or texts. A parameter ``seed`` receives the case's seed; the
-        generators of `random` and of ``numpy.random`` are always seeded with it. It is sent to
-        other processes: it must not refer to objects that live outside it, such as an aircraft
+        a diagram of the catalogue by its name, or the path of a script: each case names its blocks
+        and constants, ``{"hold.theta_ref": [2, 3, 4]}``, as for ``load_diagram``. The script is
+        imported, its ``sim`` flown and ``measure`` called. Every block with random numbers, such
+        as turbulence, sensors and PathSim's noise sources, gets its own seed from that of the case;
+        a seed written in the script has no effect.
+        Or a function, called as ``build(**case)``, which builds the diagram, runs it, and returns
+        its measurements as a dict of numbers or texts. A parameter ``seed`` receives the case's
+        seed; the generators of `random` and of ``numpy.random`` are always seeded with it. The
+        function is sent to other processes: it must not refer to outside objects such as an
+        aircraft
     cases : dict, DataFrame or list of dicts
-        the parameters of each case; a dict of lists means their product, the last one fastest, as
-        the progress bar says: ``60 x 60 = 3,600 cases``. Pairs are a list of dicts. A column
-        ``seed`` replaces the seeds drawn, and one such as ``"turbulence.seed"``, or a variable from
-        which the script makes a ``seed=``, the seed of that block
+        the parameters of each case; a dict of lists means their product, the last one fastest; the
+        progress bar shows the number: ``60 x 60 = 3,600 cases``. For pairs pass a list of dicts. A
+        column ``seed`` replaces the seeds drawn, and one such as ``"turbulence.seed"``, or a
+        variable that the script passes as ``seed=``, the seed of that block
     measure : callable, optional
-        of a script, with which it goes: called after the flight with the script's module, it
-        returns what ``build`` would: ``lambda m: {"pitch": m.pitch.read()[1][0, -1]}``. It is sent
-        to other processes too
+        required for a script: called after the flight with the script's module, it returns the
+        measurements: ``lambda m: {"pitch": m.pitch.read()[1][0, -1]}``. It is sent to other
+        processes too
     duration : float, optional
-        of a script: simulated time to fly for, s; default is its ``DURATION``
+        for a script: simulated time to fly for, s; default is its ``DURATION``
     seed : int
         seed of the batch; the seed of each case is drawn from it and the case's position
     jobs : int
@@ -76,7 +77,7 @@ def run_batch(
         the cluster's workers are used instead
     resume : Path, optional
         file that keeps finished cases: repeating a killed call with the same file resumes it. It is
-        refused, naming what differs, for other cases, arguments of a `functools.partial`, versions
+        refused, with the difference, for other cases, arguments of a `functools.partial`, versions
         of this package, PathSim, JSBSim and Python, ``.py`` files below the top package of the
         function or the folder of the script, and XML files below a JSBSim root among the arguments.
         Functions must be those of a module or script. Nothing else is compared
@@ -86,11 +87,11 @@ def run_batch(
     Returns
     -------
     pandas.DataFrame
-        one row for each case, in their order: its parameters, ``seed`` where anything was drawn
-        from it or the cases give it, ``completed``, ``reason``
-        (empty, or the error that ended the case: a trim not found, a flight that cannot continue,
-        "worker died") and what ``build`` returned, NaN where it did not. Lists and dicts stay such
-        in Parquet and are JSON text in CSV
+        one row for each case, in their order: its parameters, ``seed`` if random numbers were drawn
+        from it or the cases set it, ``completed``, ``reason``
+        (empty, or the error that ended the case: no trim, a flight that cannot continue, "worker
+        died") and the measurements, NaN if there are none. Lists and dicts remain lists and dicts
+        in Parquet and become JSON text in CSV
 
     Raises
     ------
@@ -98,10 +99,10 @@ def run_batch(
         on Ctrl-C, with the number of cases done and the file to resume with
     ParameterError
         before the work begins: no cases, a column ``completed`` or ``reason`` in them, bytes, a
-        case that ``build`` does not take (of a script: a block, parameter or constant that it does
-        not have, naming the nearest), NaN, a ``build`` that cannot be sent to other processes, a
-        file that cannot be written or belongs to another batch; with ``resume`` a function that no
-        file defines, and more than 2,000 files
+        case that ``build`` does not accept (for a script: a block, parameter or constant that it
+        does not have, naming the nearest), NaN, a ``build`` that cannot be sent to other processes,
+        a file that cannot be written or belongs to another batch; with ``resume`` also a function
+        that is not defined in a file, and more than 2,000 files
     """
     pd = required("pandas", "studies")
 
@@ -117,7 +118,7 @@ def run_batch(
     else:
         for option, value in (("measure", measure), ("duration", duration)):
             if value is not None:
-                why = f"{option} goes with a script: the function build does it all"
+                why = f"{option} is only for a script: a function build must do this itself"
                 refuse(option, value, why)
         name = getattr(getattr(build, "func", build), "__name__", type(build).__name__)
         run = partial(_call, build, _check(build, rows))
@@ -129,7 +130,7 @@ def run_batch(
         own = of_function("measure", measure, [script.parent], [*values, *roots])
         return {"cases": rows, "build": script.name, "duration": duration, **own}
 
-    found = run_parts(
+    results = run_parts(
         partial(_run_cases, run),
         [[row] for row in rows],
         died={"completed": False, "reason": WORKER_DIED},
@@ -140,9 +141,9 @@ def run_batch(
         resume=resume,
         progress=progress,
     )
-    if not any("seed" in row for row in [*points, *found]):
+    if not any("seed" in row for row in [*points, *results]):
         rows = points
-    both = ({**row, **result} for row, result in zip(rows, found, strict=True))
+    both = ({**row, **result} for row, result in zip(rows, results, strict=True))
     return pd.DataFrame([{key: cell(value) for key, value in row.items()} for row in both])
 
 
@@ -199,12 +200,12 @@ def _check_script(
         except SettingError:
             raise
         except (Exception, SystemExit):
-            continue  # a value that cannot be ends its own case
+            continue  # an impossible value ends only its own case
         why = ""
         if not isinstance(getattr(module, "sim", None), Simulation):
             why = "builds no Simulation named sim when it is imported"
         elif module.sim.time:
-            why = 'runs when it is imported: put the run under if __name__ == "__main__":'
+            why = 'runs when it is imported: move the run below if __name__ == "__main__":'
         if why:
             refuse("build", str(script), f"{script.name} {why}")
         if duration is None and not hasattr(module, "DURATION"):
@@ -223,25 +224,25 @@ def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
 
 
 def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
-    """Refuse what a worker cannot run; return whether ``build`` takes the seed."""
+    """Refuse cases that ``build`` does not accept; return whether it takes the seed."""
     if not callable(build):
         must_be("build", build, "a function")
     try:
         signature = inspect.signature(build)
     except ValueError:  # many built-in functions
         must_be("build", build, "a function with known parameters")
-    known = signature.parameters
-    free = any(p.kind is p.VAR_KEYWORD for p in known.values())
-    takes_seed = free or "seed" in known
+    parameters = signature.parameters
+    free = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
+    takes_seed = free or "seed" in parameters
     for i, row in enumerate(rows):
-        given = row if takes_seed else _without_seed(row)
-        for key in [] if free else [key for key in given if key not in known]:
-            close = did_you_mean(nearest(key, known))
+        arguments = row if takes_seed else _without_seed(row)
+        for key in [] if free else [key for key in arguments if key not in parameters]:
+            close = did_you_mean(nearest(key, parameters))
             refuse(key, row[key], f"case {i} has {key!r}, which build does not take{close}")
         try:
-            signature.bind(**given)
+            signature.bind(**arguments)
         except TypeError as error:
-            refuse("cases", row, f"case {i} does not go with build: {error}")
+            refuse("cases", row, f"case {i} does not fit build: {error}")
     _check_sent("build", build)
     return takes_seed
 
@@ -276,7 +277,7 @@ def _run_case(run: Callable[..., Any], case: dict[str, Any]) -> dict[str, Any]:
 
 def _measured(result: Any, case: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(result, Mapping):
-        refuse("build", result, f"build must return a dict of what it measured, not {result!r}")
+        refuse("build", result, f"build must return a dict of measurements, not {result!r}")
     row = {encodable("build", str(key)): value for key, value in result.items()}
     for key in row:
         if key in (*case, *_OWN):
@@ -287,5 +288,5 @@ def _measured(result: Any, case: dict[str, Any]) -> dict[str, Any]:
 def _value(key: str, value: Any) -> Any:
     if isinstance(value, (float, np.floating)):
         return float(value)  # NaN passes: "not measured" is a result
-    # as a resumed batch would read it from its file
+    # through JSON, so that a resumed batch gives the same table
     return json.loads(json.dumps(plain(key, value)))

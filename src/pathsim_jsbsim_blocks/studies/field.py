@@ -22,9 +22,9 @@ _ROTATION, _CLIMB, _APPROACH = 1.05, 1.2, 1.3  # of the stall speed: CS 25.107, 
 _PATH = -3.0  # deg
 _SCREEN = 50.0  # ft: CS 23.59, 23.75, 25.125
 _LARGE_SCREEN = 35.0  # ft: CS 25.113
-_STEEPEST, _USUAL = 15.0, 10.0  # deg of pitch; where no climb trims
+_STEEPEST, _USUAL = 15.0, 10.0  # deg, maximum pitch, and pitch if no climb trims
 _LONGEST = 120.0  # s
-_STOPPED = 3.0  # ft/s, what an idling engine may keep up against the brakes
+_STOPPED = 3.0  # ft/s, a ground speed that idle thrust may sustain against the brakes
 
 _SPEED = "velocities/vg-fps"
 _READ = ("vc", "h_agl", "gear/wow", _SPEED)
@@ -35,14 +35,14 @@ def field(plane: Plane) -> None:
     base = plane.base
     for name, flaps, fly in (("take-off", 0.5, _take_off), ("landing", 1.0, _landing)):
         plane.base = replace(base, flaps=flaps, gear=None if base.gear is None else 1.0)
-        found: tuple[float | None, float | None, float] = None, None, np.nan
+        measured: tuple[float | None, float | None, float] = None, None, np.nan
         plane.reason = "no gain table"
         if plane.airframe.aircraft in tables():
             try:
-                found = fly(plane)
+                measured = fly(plane)
             except BlocksError as error:
                 plane.reason = reason_of(error)
-        distance, roll, speed = found
+        distance, roll, speed = measured
         plane.put(f"{name} distance", distance, speed)
         plane.put(f"{name} ground roll", roll, speed)
     plane.base = base
@@ -108,7 +108,7 @@ def _on_wheels(plane: Plane) -> TrimState:
 
 
 def _above_ground(plane: Plane) -> TrimCondition:
-    """The condition of a plane above ground at its altitude."""
+    """The plane's condition, with the ground at its altitude."""
     setup = {**plane.base.setup, "ic/terrain-elevation-ft": plane.base.altitude}
     return replace(plane.base, setup=setup)
 
@@ -125,7 +125,7 @@ def _aircraft(plane: Plane, condition: TrimCondition) -> Aircraft:
 
 
 def _flown(plane: Plane, blocks: list[Any], wires: list[Any], ends: Any) -> tuple[np.ndarray, ...]:
-    """Way over the ground in ft, airspeed, height of the CG, weight on wheels, ground speed."""
+    """Distance in ft, airspeed, height of the CG, weight on wheels, ground speed: arrays."""
     aircraft, scope = blocks[0], Scope()
     wires += [Connection(aircraft[n], scope[i]) for i, n in enumerate(_READ)]
     done = Condition(lambda t: ends(), func_act=lambda t: sim.stop())

@@ -23,9 +23,9 @@ _REASONS = {"alpha limit": "x", "thrust": "|", "elevator": "_", "no convergence"
 
 
 def _chart(study: str, columns: str) -> Callable[[Callable[..., Any]], Callable[..., Figure]]:
-    """A decorator of what draws a table and its trimmed rows, and returns figure and headline.
+    """A decorator for functions that draw a table and its trimmed rows, return figure, headline.
 
-    The table of ``study`` is checked to have ``columns``, with blanks between them.
+    The table must have the ``columns``, separated by blanks, of ``study``.
     """
 
     def complete(draw: Callable[..., Any]) -> Callable[..., Figure]:
@@ -42,23 +42,23 @@ def _chart(study: str, columns: str) -> Callable[[Callable[..., Any]], Callable[
 
 
 def _named(table: pd.DataFrame, headline: str) -> str:
-    """The headline with the aircraft in front, where the table knows it."""
+    """The headline, preceded by the aircraft if the table has its name."""
     aircraft = table.attrs.get("aircraft")
     return f"{aircraft}: {headline}" if aircraft else headline[0].upper() + headline[1:]
 
 
 def _trimmed(table: Any, chart: str, study: str, columns: Sequence[str]) -> pd.DataFrame:
     """The rows that trimmed, after checking that the table has all columns of the chart."""
-    known = [str(name) for name in getattr(table, "columns", ())]
-    if not known:
+    names = [str(name) for name in getattr(table, "columns", ())]
+    if not names:
         refuse("table", table, f"{chart} draws a table (DataFrame) of {study}, not {table!r:.60}")
     for name in ("trimmed", *columns):
-        if name not in known:
+        if name not in names:
             why = f"{chart} draws a table of {study}; this one has no column {name!r}"
-            refuse("table", known, why + did_you_mean(nearest(name, known)))
+            refuse("table", names, why + did_you_mean(nearest(name, names)))
     rows = table[table.trimmed.astype(bool)]
     if rows.empty:
-        refuse("table", known, f"{chart} has nothing to draw: no point of the table trims")
+        refuse("table", names, f"{chart} has nothing to draw: no point of the table trims")
     return rows
 
 
@@ -69,8 +69,8 @@ def _trimmed(table: Any, chart: str, study: str, columns: Sequence[str]) -> pd.D
 def alpha_elevator_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
     """Angle of attack and elevator deflection in trim against airspeed, in three panels.
 
-    One line for each altitude and, where the table has them, weight case and CG shift (shown in
-    inches of the empty-weight CG). The legend gives weight and CG of the first point of each line.
+    One line for each altitude and, if the table has them, weight case and CG shift (of the
+    empty-weight CG, in inches). The legend gives weight and CG of the first point of each line.
 
     Parameters
     ----------
@@ -89,8 +89,8 @@ def alpha_elevator_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Fi
         3, 1, sharex=True, figsize=(8, 8 + 0.2 * len(lines)), layout="constrained"
     )
     for label, style, rows in lines:
-        shown = (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm)
-        for ax, y in zip(axes, shown, strict=True):
+        curves = (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm)
+        for ax, y in zip(axes, curves, strict=True):
             ax.plot(rows.speed_kcas, y, label=label, markersize=4, linewidth=1.2, **style)
     axes[0].set(ylabel="angle of attack [deg]")
     axes[1].set(ylabel="elevator deflection [deg]")
@@ -109,7 +109,7 @@ def _lines(table: pd.DataFrame) -> Iterator[tuple[str, dict[str, Any], pd.DataFr
     values = [list(table[key].unique()) for key in keys]
     for group, rows in table.groupby(keys, sort=False):
         at = dict(zip(keys, group, strict=True))
-        index = {key: known.index(at[key]) for key, known in zip(keys, values, strict=True)}
+        index = {key: order.index(at[key]) for key, order in zip(keys, values, strict=True)}
         parts = [
             f"{at['weight_case']}" if "weight_case" in at else "",
             _cg_travel(rows) if "cg_shift_percent" in at else "",
@@ -140,7 +140,7 @@ def _cg_travel(rows: pd.DataFrame) -> str:
 def envelope_map(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
     """Throttle, thrust and angle of attack over airspeed and flight path angle, in three panels.
 
-    Points without trim carry the mark of their reason, so that the map shows what bounds it.
+    The marker of a point without trim tells the reason, so that the map shows its limits.
 
     Parameters
     ----------
@@ -186,8 +186,8 @@ def envelope_map(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, st
 def thrust_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
     """Thrust and angle of attack against the thrust angle, with the minimum marked.
 
-    One panel for each case. The curve is flat there and has kinks from the trim's tolerance, so the
-    angle is known to about half a degree.
+    One panel for each case. The curve is flat at the minimum and has kinks from the trim's
+    tolerance, so the angle is accurate to about half a degree.
 
     Parameters
     ----------
@@ -307,7 +307,7 @@ def modes_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str
 
 
 def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
-    """What an aircraft can do on one page; a panel without values says why.
+    """Performance charts of an aircraft on one page; a panel without values gives the reason.
 
     Parameters
     ----------
@@ -319,14 +319,14 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
     Raises
     ------
     ParameterError
-        if the table is none of `performance_table`
+        if the table is not one of `performance_table`
     """
     from .performance import COLUMNS
 
     if [*getattr(table, "columns", ())] != [*COLUMNS]:
         refuse("table", table, "performance_chart draws a table (DataFrame) of performance_table")
-    found = table.dropna(subset=["value"])
-    pull = "power" if (found.quantity == "power required").any() else "thrust"
+    rows = table.dropna(subset=["value"])
+    pull = "power" if (rows.quantity == "power required").any() else "thrust"
     speeds = ("stall speed, throttle closed", "lowest level speed", "highest level speed")
     panels = (
         ("stall", _stall_speeds, ("stall speed",)),
@@ -341,10 +341,10 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
     )
     figure, axes = subplots(3, 3, figsize=(15, 12), layout="constrained")
     for ax, (chart, draw, quantities) in zip(axes.flat, panels, strict=True):
-        draw(ax, table[table.chart == "V-n"] if chart == "V-n" else found, quantities)
+        draw(ax, table[table.chart == "V-n"] if chart == "V-n" else rows, quantities)
         if ax.lines:
             ax.grid(alpha=0.4)
-            if ax.get_legend_handles_labels()[0]:  # below, where it covers no curve
+            if ax.get_legend_handles_labels()[0]:  # below the panel, clear of the curves
                 ax.legend(
                     loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2, fontsize="x-small"
                 )
@@ -359,14 +359,14 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
         figure.supxlabel(holes, fontsize="x-small", wrap=True)
     worst = table.difference_percent.abs()
     checked = f"{worst.count()} values flown, half of them within {worst.median():.2g} %"
-    field = found[found.quantity.isin(["take-off distance", "landing distance"])]
+    field = rows[rows.quantity.isin(["take-off distance", "landing distance"])]
     runs = [f"{row.quantity} {row.value:.0f} ft" for row in field.itertuples()]
     figure.suptitle(title or _named(table, f"performance; {'; '.join([*runs, checked])}"))
     return figure
 
 
 def _holes(table: pd.DataFrame) -> str:
-    """The airspeeds of curves that have no value there, and are left out, with the reason."""
+    """Text with the airspeeds at which curves have gaps, and the reasons."""
     rows = table[table.value.isna() & table.speed_kcas.notna()]
     parts = []
     for (quantity, reason), points in rows.groupby(["quantity", "reason"], sort=False):
@@ -375,10 +375,10 @@ def _holes(table: pd.DataFrame) -> str:
     return "left out: " + "; ".join(parts) if parts else ""
 
 
-def _over_speed(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> None:
+def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
     """Quantities against airspeed, one line for each altitude and weight."""
     for quantity, style in zip(quantities, "-:", strict=False):
-        rows = found[found.quantity == quantity]
+        rows = table[table.quantity == quantity]
         for i, ((height, weight), line) in enumerate(rows.groupby(["altitude_ft", "weight_lb"])):
             label = f"{height:.0f} ft, {weight:.0f} lb" if style == "-" else None
             ax.plot(line.speed_kcas, line.value, f"{style}.", color=f"C{i}", label=label)
@@ -387,17 +387,17 @@ def _over_speed(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> Non
     ax.set_xlabel("calibrated airspeed [kt]")
 
 
-def _stall_speeds(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> None:
-    rows = found[found.quantity.isin(quantities)].sort_values("weight_lb")
+def _stall_speeds(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
+    rows = table[table.quantity.isin(quantities)].sort_values("weight_lb")
     for flaps, line in rows.groupby("flaps_norm"):
         ax.plot(line.weight_lb, line.value, "o-", label=f"flaps {flaps:g}")
     ax.set(xlabel="weight [lb]", ylabel="stall speed, throttle closed [KCAS]")
 
 
-def _over_altitude(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> None:
+def _over_altitude(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
     """Quantities and ceilings against altitude."""
     for i, quantity in enumerate(quantities):
-        rows = found[found.quantity == quantity]
+        rows = table[table.quantity == quantity]
         for weight, line in rows.groupby("weight_lb"):
             name = f"{quantity}, {weight:.0f} lb"
             ax.plot(line.value, line.altitude_ft, "o-", color=f"C{i}", label=name)
@@ -405,7 +405,7 @@ def _over_altitude(ax: Axes, found: pd.DataFrame, quantities: Sequence[str]) -> 
             name = quantity if len(quantities) == 1 else "true airspeed"
             ax.set_xlabel(f"{name} [{'kt' if unit == 'KTAS' else unit}]")
     for ceiling, style in (("absolute ceiling", "-"), ("service ceiling", ":")):
-        for height in found[found.quantity == ceiling].value if ax.lines else ():
+        for height in table[table.quantity == ceiling].value if ax.lines else ():
             ax.axhline(height, color="0.4", linestyle=style, label=f"{ceiling} {height:.0f} ft")
     ax.set_ylabel("altitude [ft]")
 

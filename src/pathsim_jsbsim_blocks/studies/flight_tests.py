@@ -1,4 +1,4 @@
-"""Flight tests of one aircraft: searches by trims, and flights that check what they find."""
+"""Flight tests of one aircraft: searches by trims, and flights that check their results."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ Row = dict[str, Any]
 Find = Callable[[float], TrimState | None]
 Size = Callable[[TrimState], float]
 
-_FINEST = 1.001  # ratio to which the ends of a range of speeds are found
+_FINEST = 1.001  # ratio of speeds at which a search ends
 _GUESSES = (0.4, 0.6, 0.25, 0.8, 1.2, 1.6)  # lift coefficients of the first trims
 
-_FLIGHT = 60.0  # s that a value is flown for
-_DEPARTED = 0.15  # of the airspeed, a change after which a flight is none of the condition
+_FLIGHT = 60.0  # s, duration of a checking flight
+_DEPARTED = 0.15  # relative airspeed change beyond which a flight no longer represents a condition
 
-_MOST = 1000  # trims for one part of the charts; most take 20 to 300, one without an end stops here
+_MOST = 1000  # trims for one part of the charts, against endless searches; 20 to 300 are usual
 LARGE = 19000.0  # lb, above which CS-25 applies
 _LEAST_FUEL = 0.05  # of full tanks
 _HEAVIEST = 1.5  # times the weight with full tanks and the model's payload
@@ -104,14 +104,14 @@ QUANTITIES = {
 
 
 def reason_of(error: BlocksError) -> str:
-    """Why there is no trim, in a word where the error has one."""
+    """Reason for a missing trim: the error's keyword if it has one, else its text."""
     return getattr(error, "reason", str(error))
 
 
 class Plane:
-    """An aircraft at one weight, trimmed again and again, a twin for flights, and what is found.
+    """An aircraft at one weight that is trimmed repeatedly, with a twin for flights, and results.
 
-    Every value is a row: its condition, the value, what a flight finds for it, or the reason.
+    Every result is a row: its condition, the value, the value flown, or the reason for none.
     """
 
     def __init__(self, task: Mapping[str, Any]):
@@ -126,7 +126,7 @@ class Plane:
         self.area, self.chord = (fdm[f"metrics/{name}"] for name in ("Sw-sqft", "cbarw-ft"))
         self.propeller = bool(self.airframe.of_engines("propeller-rpm"))
         self.weight = fdm["inertia/weight-lbs"]
-        # a flight that burns fuel would otherwise leave the next one lighter
+        # reset the fuel in every trim: a flight that burns fuel would make the next one lighter
         mass: dict[str, Any] = {"fuel": [fdm[name] for name in self.airframe.tanks]}
         if task["weight"] is not None:
             self.weight, mass = task["weight"], loading(self.airframe, task["weight"])
@@ -134,7 +134,7 @@ class Plane:
         self.climb_to(task["altitude"])
 
     def climb_to(self, altitude: float) -> None:
-        """Take another altitude, with piston engines leaned in proportion to the air density."""
+        """Change the altitude, with piston engines leaned in proportion to the air density."""
         self.light = float(isa(altitude * FOOT).density / isa(0.0).density)
         engines = range(self.airframe.engines if self.airframe.of_engines("map-inhg") else 0)
         lean = {f"fcs/mixture-cmd-norm[{i}]": min(self.light, 1.0) for i in engines}
@@ -142,21 +142,21 @@ class Plane:
         self.base = replace(self.base, altitude=altitude, setup=setup)
 
     def put(self, quantity: str, value: float | None, speed: float = math.nan, **more: Any) -> None:
-        """Keep a value, at an airspeed in KCAS; without one its reason."""
+        """Record a value, at an airspeed in KCAS, or the reason for None."""
         chart, unit = QUANTITIES[quantity]
         row: Row = {"chart": chart, "quantity": quantity, "altitude_ft": self.base.altitude}
         row |= {"weight_lb": self.weight, "flaps_norm": self.base.flaps or 0.0}
         row |= {"speed_kcas": speed, "value": math.nan if value is None else value, "unit": unit}
         self.rows.append(row | {"reason": self.reason if value is None else "", **more})
 
-    def flown(self, found: float | None) -> None:
-        """Add to the last value what a flight has found for it, and the difference in percent."""
+    def flown(self, value: float | None) -> None:
+        """Add the flown value of the last quantity, and the difference in percent."""
         row = self.rows[-1]
-        if found is None:
+        if value is None:
             row["reason"] = "the flight does not stay at the condition"
         else:
-            row["flown"] = found
-            row["difference_percent"] = 100.0 * (found - row["value"]) / row["value"]
+            row["flown"] = value
+            row["difference_percent"] = 100.0 * (value - row["value"]) / row["value"]
 
     def trim(self, speed: float, **fields: Any) -> TrimState | None:
         """The trim at an airspeed in KCAS; None without one, with ``reason`` set."""
@@ -172,12 +172,12 @@ class Plane:
             return None
 
     def level(self, speed: float) -> TrimState | None:
-        """Level flight, or a climb at full throttle where an afterburner's thrust jumps past it."""
-        found = self.trim(speed)
-        if found is None and self.reason == "no convergence" and not self.propeller:
+        """Level flight, or a climb at full throttle if the thrust jumps at afterburner light-up."""
+        state = self.trim(speed)
+        if state is None and self.reason == "no convergence" and not self.propeller:
             full = self.climb(speed)
-            found = full if full and full.gamma >= 0.0 else None
-        return found
+            state = full if full and full.gamma >= 0.0 else None
+        return state
 
     def climb(self, speed: float) -> TrimState | None:
         return self.trim(speed, throttle=1.0)
@@ -188,7 +188,7 @@ class Plane:
     def fly(
         self, state: TrimState, duration: float, elevator: float = 0.0, **fields: Any
     ) -> dict[str, np.ndarray] | None:
-        """A flight from the condition of a trim, the elevator moving by so much in a second."""
+        """A flight from the condition of a trim; ``elevator`` is the rate of its command in 1/s."""
         self._twin = plane = self._twin or self.flyer()
         try:
             trim(plane, replace(state.condition, **fields), hint=False, warm=True)
@@ -203,7 +203,7 @@ class Plane:
             fdm.run()
             rows.append(read())
         if plane.starved():
-            # its engines would start only during the next flight
+            # engines without fuel would restart only during the next flight
             self._twin = None
         signals = np.array(rows).T
         if not np.isfinite(signals).all():
@@ -217,7 +217,7 @@ class Plane:
         return next(filter(None, map(find, speeds)), None)
 
     def slowest(self) -> TrimState:
-        """The glide with the largest lift coefficient, ``reason`` what ends it."""
+        """The glide at maximum lift coefficient; ``reason`` says what limits it."""
         start = self.first(self.glide)
         if start is None:
             raise BlocksError(self.reason)
@@ -227,9 +227,9 @@ class Plane:
     def energy_rate(self, state: TrimState) -> float | None:
         """Rate of change of the energy height in ft/min in a flight with controls fixed.
 
-        It passes the altitude in its middle; the last of three starts at an airspeed with which it
-        has that of the trim there. A phugoid leaves the energy as it is, but for the drag of its
-        load factor: that is reduced to the trim's, by a trim with that load factor.
+        The flight passes the trim's altitude at half time. Three flights adjust the initial
+        airspeed so that the last passes it at the trim's airspeed. A phugoid changes the energy
+        only through the drag due to its load factor: the difference of two trims corrects this.
         """
         climb = climb_rate(state)
         climbs = abs(climb) > 1.0
@@ -240,21 +240,21 @@ class Plane:
             if flight is None or abs(flight["vc"] / state.speed - 1.0).max() > _DEPARTED:
                 return None
             middle = len(flight["h"]) // 2
-            there = abs(flight["h"] - state.condition.altitude).argmin() if climbs else middle
-            speed *= state.speed / flight["vc"][there]
+            passage = abs(flight["h"] - state.condition.altitude).argmin() if climbs else middle
+            speed *= state.speed / flight["vc"][passage]
         assert flight is not None
         height = flight["h"] + 0.5 * flight["v"] ** 2 / flight["g"]
         at = np.linspace(-0.5, 0.5, len(height))
         slope = np.polyder(np.polyfit(at, height, 5))
-        rate = float(np.polyval(slope, at[there])) * 60.0 / _FLIGHT
-        load, throttle = float(_load_factor(flight)[there]), max(state.throttle, default=0.0)
+        rate = float(np.polyval(slope, at[passage])) * 60.0 / _FLIGHT
+        load, throttle = float(_load_factor(flight)[passage]), max(state.throttle, default=0.0)
         curved = self.trim(state.speed, mode="pull-up", throttle=throttle, load_factor=load)
         return rate + climb - climb_rate(curved) if curved else rate
 
     def lift_flown(self, start: TrimState | None, limit: TrimState, seconds: float) -> float | None:
-        """Largest lift coefficient in a pull to the limit's elevator, relative to the limit's.
+        """Maximum lift coefficient in a pull to the limit's elevator, relative to the limit's.
 
-        The pull takes so many s; what counts is flown below the limit's angle of attack.
+        The pull lasts ``seconds``; only the flight below the limit's angle of attack counts.
         """
         if start is None:
             return None
@@ -283,7 +283,7 @@ def _masses(airframe: Airframe) -> tuple[float, list[float], list[float]]:
 
 
 def extremes(airframe: Airframe) -> list[float | None]:
-    """Gross weights in lb: almost without fuel and payload, the model's own (None), full tanks."""
+    """Gross weights in lb: almost empty, the model's own (None), full tanks and payload."""
     empty, full, payload = _masses(airframe)
     light, heavy = empty + _LEAST_FUEL * sum(full), empty + sum(full) + sum(payload)
     own = airframe.fdm["inertia/weight-lbs"]
@@ -317,9 +317,9 @@ def _lift(state: TrimState) -> float:
 
 
 def last(find: Find, good: TrimState, ratio: float, size: Size | None = None) -> TrimState:
-    """The last trim in steps of a ratio of speed, ever finer; its size must grow, if there is one.
+    """The last trim in ever finer steps of speed by a ratio; ``size``, if set, must keep growing.
 
-    It ends for the reason of the last search.
+    The plane's ``reason`` tells why the search ended.
     """
     while abs(math.log(ratio)) > math.log(_FINEST):
         nearer = find(good.speed * ratio)
@@ -351,8 +351,8 @@ def best_of(find: Find, size: Size, start: TrimState, ratio: float = 1.05) -> Tr
 def _load_factor(flight: Mapping[str, np.ndarray]) -> np.ndarray:
     """Force across the flight path over the weight, from a flight that starts in a steady state.
 
-    There it is the cosine of the path angle; weight is a little less than mass times gravitation,
-    by the rotation of the Earth.
+    It is scaled to the initial value, the cosine of the path angle: the Earth's rotation makes the
+    weight slightly less than mass times gravitation.
     """
     force = flight["nx"] * np.sin(flight["alpha"]) + flight["nz"] * np.cos(flight["alpha"])
     return force / force[0] * np.cos(flight["gamma"][0])

@@ -20,7 +20,7 @@ from ..flight.trimming.state import UNITS
 # columns that a grid can have, besides JSBSim properties
 _COLUMNS = [f.name for f in dataclasses.fields(TrimCondition) if f.name != "setup"]
 
-# a unit as the suffix of a column's name, if it is not the unit itself
+# suffixes of columns for units that cannot be suffixes themselves
 _TAILS = {
     "KCAS": "kcas",
     "ft/s": "fps",
@@ -32,7 +32,7 @@ _TAILS = {
 }
 
 
-# no numbers, although they are sequences of some
+# sequences of numbers, but not meant as such
 _BYTES = (bytes, bytearray, memoryview)
 
 
@@ -44,9 +44,9 @@ def column(name: str) -> str:
 
 
 def expand(name: str, grid: Any) -> tuple[list[dict[str, Any]], str]:
-    """Rows of a grid, and their number in words: 60 x 60 = 3,600.
+    """Rows of a grid, and their number as text: 60 x 60 = 3,600.
 
-    They are the product of a dict of axes (last axis fastest), or a table as it is.
+    They are the product of a dict of axes (last axis fastest), or the rows of a table.
     """
     sizes: list[int] = []
     if hasattr(grid, "columns") and hasattr(grid, "to_dict"):
@@ -109,7 +109,7 @@ def plain(name: str, value: Any) -> Any:
 
 
 def encodable(name: str, text: str) -> str:
-    """``text`` if a table can have it: not with half a character, as of a strange file's name."""
+    """``text`` if a table can store it: file names may contain lone surrogates."""
     try:
         text.encode()
     except UnicodeEncodeError:
@@ -123,7 +123,7 @@ _Dict = type("_Dict", (dict,), {"__str__": json.dumps})
 
 
 def cell(value: Any) -> Any:
-    """Plain data as a cell of a table: lists and dicts stay such in Parquet, JSON text in CSV."""
+    """Plain data as a cell of a table: lists and dicts for Parquet, JSON text in CSV."""
     if isinstance(value, dict):  # Parquet needs text for keys
         return _Dict({str(key): item for key, item in value.items()})
     return _List(value) if isinstance(value, list) else value
@@ -135,12 +135,12 @@ def trim_condition(i: int, point: dict[str, Any]) -> TrimCondition:
     for key in fields:
         if key not in _COLUMNS:
             close = did_you_mean(nearest(key, _COLUMNS))
-            known = f"columns: {', '.join(_COLUMNS)}, and JSBSim properties by their path"
-            why = f"the grid has a column {key!r} that no trim condition has{close} ({known})"
+            columns = f"columns: {', '.join(_COLUMNS)}, and JSBSim properties by their path"
+            why = f"column {key!r} of the grid is not a field of TrimCondition{close} ({columns})"
             refuse(key, point[key], why)
     try:
         if fields.get("mach") is not None and fields.get("speed") is not None:
-            refuse("mach", fields["mach"], "both mach and speed are given")
+            refuse("mach", fields["mach"], "the grid sets both mach and speed; remove one")
         return TrimCondition(
             **{key: value for key, value in fields.items() if value is not None},
             setup={key: number(key, value) for key, value in point.items() if "/" in key},
@@ -152,8 +152,8 @@ def trim_condition(i: int, point: dict[str, Any]) -> TrimCondition:
 def structure(condition: TrimCondition) -> tuple[Any, ...]:
     """Which fields a condition writes to an aircraft, regardless of their values.
 
-    Two conditions with the same structure can follow one another on one aircraft, because the
-    second overwrites all that the first has set.
+    Conditions with the same structure can share an aircraft, because each overwrites all that the
+    one before has set.
     """
     return (
         condition.mode,
@@ -164,11 +164,13 @@ def structure(condition: TrimCondition) -> tuple[Any, ...]:
 
 
 def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> dict[str, list]:
-    """Columns of the requested values, with the defaults if the grid does not give them."""
-    given = {key for point in points for key in point}
-    shown = [name for name in _COLUMNS if name in given or name in ("altitude", "speed", "gamma")]
+    """Columns of the requested values, with defaults for those missing from the grid."""
+    names = {key for point in points for key in point}
+    shown_names = [
+        name for name in _COLUMNS if name in names or name in ("altitude", "speed", "gamma")
+    ]
     columns: dict[str, list] = {}
-    for name in shown:
+    for name in shown_names:
         values: list[Any] = [
             None if name == "speed" and condition.mach is not None else getattr(condition, name)
             for condition in conditions

@@ -1,4 +1,4 @@
-"""A file that keeps the finished parts of a study, and the key of what they belong to."""
+"""A file that keeps the finished parts of a study, and the key that identifies the study."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ _MOST_FILES = 2000  # a home folder or an installation has more
 
 
 class Journal:
-    """Finished parts, a line each with its checksum; the first line has the key of their study.
+    """Finished parts, one line each with its checksum; the first line has the key of the study.
 
-    Floats are read back bit for bit. The file is locked while it is open. A ParameterError refuses
-    one that cannot be opened, is damaged or in use, or has another key.
+    Floats are read back bit for bit. The file is locked while open. A ParameterError refuses a file
+    that cannot be opened, is damaged or in use, or has another key.
     """
 
     def __init__(self, path: str | Path, key: Mapping[str, str]):
         lock = required("filelock", "studies").lock_descriptor
         self.path = as_path("resume", path)
-        if os.path.exists(self.path) and not os.path.isfile(self.path):  # a device may never end
+        if os.path.exists(self.path) and not os.path.isfile(self.path):  # e.g. an endless device
             self._refuse("is not a file")
         try:  # unbuffered, so that finished lines survive a kill of this process
             self.file = self.path.open("a+b", buffering=0)
@@ -64,7 +64,7 @@ class Journal:
                 why = f"is of another study: {_differences(_data(first)[_TITLE], header[_TITLE])}"
             self._refuse(f"{why}; name another file or delete it")
         parts = []
-        for number, line in enumerate(lines[:-1], 2):  # a kill cut the last one off
+        for number, line in enumerate(lines[:-1], 2):  # the last one may be incomplete after a kill
             try:
                 parts.append(_data(line))
             except ValueError:
@@ -73,7 +73,7 @@ class Journal:
         return dict(parts)
 
     def write(self, data: Any) -> None:
-        """Write a line; of a finished part these are its number and its rows."""
+        """Write a line: the key, or number and rows of a finished part."""
         line = _line(data)
         try:
             # a full disk may accept part of the line before it refuses the rest
@@ -89,9 +89,9 @@ def _line(data: Any) -> bytes:
 
 
 def _data(line: bytes) -> Any:
-    """Data of a line; ValueError if it is not what was written."""
-    known, _, text = line.partition(b" ")
-    if known.decode() != _checksum(text):
+    """Data of a line; ValueError if it does not match its checksum."""
+    checksum, _, text = line.partition(b" ")
+    if checksum.decode() != _checksum(text):
         raise ValueError
     return json.loads(text)
 
@@ -107,7 +107,7 @@ def _differences(before: Mapping[str, str], now: Mapping[str, str]) -> str:
 
 
 def study_key(parts: Mapping[str, Any]) -> dict[str, str]:
-    """What rows belong to: checksums of the parts of their study, plain data, and versions."""
+    """The key of a study: checksums of its parts, which are plain data, and versions."""
     versions = {"Python": sys.version, "pathsim-jsbsim-blocks": __version__}
     versions |= {name: version(name) for name in ("jsbsim", "pathsim")}
     sums = {name: _checksum(json.dumps(value).encode()) for name, value in parts.items()}
@@ -115,7 +115,7 @@ def study_key(parts: Mapping[str, Any]) -> dict[str, str]:
 
 
 def of_files(ending: str, folders: Iterable[Path]) -> dict[str, str]:
-    """Checksums of all files below folders by their names, also of those that nothing imports."""
+    """Checksums of all files below folders by their names, imported or not."""
     sums: dict[str, str] = {}
     try:
         for folder in folders:
@@ -125,14 +125,14 @@ def of_files(ending: str, folders: Iterable[Path]) -> dict[str, str]:
                     refuse("resume", str(folder), f"{why}: move the study to a folder of its own")
                 name = file.relative_to(folder.parent).as_posix()  # two folders may have it
                 sums[name] = sums.get(name, "") + _checksum(file.read_bytes())
-    except OSError as error:  # of a module in a zip file, too
+    except OSError as error:  # also for a module in a zip file
         raise FileError("read", error.filename, error) from None
     return sums
 
 
 def _files(ending: str, folder: Path, above: tuple[Path, ...] = ()) -> Iterator[Path]:
     """Files below a folder, in order, without hidden folders and virtual environments."""
-    above = (*above, folder.resolve())  # where a link may lead back to
+    above = (*above, folder.resolve())  # a link to one of these would never end
     for path in sorted(folder.iterdir()):
         if path.name.endswith(ending) and path.is_file():
             yield path
@@ -141,7 +141,7 @@ def _files(ending: str, folder: Path, above: tuple[Path, ...] = ()) -> Iterator[
 
 
 def of_models(values: Iterable[Any]) -> dict[str, str]:
-    """Checksums of the XML files below those values that are JSBSim roots."""
+    """Checksums of the XML files below the JSBSim roots among ``values``."""
     texts = (x for x in values if isinstance(x, (str, Path)))
     roots = {Path(x).absolute() for x in texts if os.path.isdir(f"{x}/aircraft")}
     return of_files(".xml", sorted(roots))
@@ -154,8 +154,8 @@ def of_function(label: str, function: Any, folders: Any = (), values: Any = ()) 
     scope, name = getattr(own, "__globals__", {}), getattr(own, "__qualname__", "")
     plain = inspect.isfunction(own) and not own.__closure__ and scope.get(name) is own
     if not plain or own.__code__.co_filename != scope.get("__file__"):
-        why = "no lambda, method, closure, or function of a notebook"
-        refuse("resume", function, f"with resume, {label} must be a function of a file: {why}")
+        why = "not a lambda, method, closure, or function of a notebook"
+        refuse("resume", function, f"with resume, {label} must be a function of a file, {why}")
     joblib = required("joblib", "studies")
     try:
         bound = inspect.signature(own).bind_partial(*partial.args, **partial.keywords)
@@ -168,7 +168,7 @@ def of_function(label: str, function: Any, folders: Any = (), values: Any = ()) 
 
 
 def _folder(scope: Mapping[str, Any]) -> Path:
-    """The folder of a module's top package, also if it is run by -m; of a script its own."""
+    """The folder of a module's top package, also if it is run by -m; a script's own folder."""
     file, spec = Path(scope["__file__"]).absolute(), scope.get("__spec__")
     top = (spec.name if spec else scope["__name__"]).partition(".")[0]
     packages = map(Path, getattr(sys.modules.get(top), "__path__", ()))

@@ -66,32 +66,34 @@ def modes_over_speed(
     pandas.DataFrame
         one row for each point: ``aircraft``, ``requested_altitude_ft``, ``requested_speed_kcas``,
         ``trimmed``, ``reason`` (why there is no trim or no linear model, else empty), ``warning``
-        (where the aircraft is not linear, else empty), and for each mode the real part
+        (if the aircraft is nonlinear there, else empty), and for each mode the real part
         (``phugoid_real``, 1/s) and the imaginary part (``phugoid_imag``, rad/s) of its pole, NaN
-        where there is no such mode. A short period that is two real poles is ``short_period`` and
+        if the mode does not exist. Two real poles of a short period are ``short_period`` and
         the slower ``short_period_2``
 
     Raises
     ------
     ParameterError
-        before the work begins: speeds without an aircraft that has none here, values that are not
-        possible, a file that cannot be written or belongs to another study
+        before the work begins: speeds without an aircraft, an aircraft without speeds that has no
+        range in this study, impossible values, a file that cannot be written or belongs to another
+        study
     AircraftError
         before the work begins: unknown aircraft
     """
     pd = required("pandas", "studies")
     altitude = number("altitude", altitude)
     if aircraft is None and speeds is not None:
-        refuse("speeds", speeds, "speeds are those of one aircraft: name it")
+        refuse("speeds", speeds, "speeds need an aircraft: aircraft=NAME")
     if aircraft is not None and speeds is None and aircraft not in _SWEEPS:
         Airframe(aircraft)
-        known = " and ".join(_SWEEPS)
-        refuse("speeds", None, f"speeds: give those of {aircraft!r}; the study knows {known}")
-    given = None if speeds is None else [number("speeds", x, above=0.0) for x in speeds]
+        sweeps = " and ".join(_SWEEPS)
+        why = f"{aircraft!r} needs speeds=...; the study has its own only for {sweeps}"
+        refuse("speeds", None, why)
+    airspeeds = None if speeds is None else [number("speeds", x, above=0.0) for x in speeds]
     points = [
         {"aircraft": name, "requested_altitude_ft": altitude, "requested_speed_kcas": float(speed)}
         for name in (_SWEEPS if aircraft is None else [aircraft])
-        for speed in (_SWEEPS[name] if given is None else given)
+        for speed in (_SWEEPS[name] if airspeeds is None else airspeeds)
     ]
     if not points:
         refuse("speeds", speeds, "speeds is empty")
@@ -106,10 +108,10 @@ def modes_over_speed(
         resume=resume,
         progress=progress,
     )
-    # poles that no row has are columns of numbers too
+    # columns of poles that no row has are numbers too
     empty = {"warning": "", **dict.fromkeys(POLES, np.nan)}
-    found = [{**p, **empty, **row} for p, row in zip(points, rows, strict=True)]
-    return pd.DataFrame(found, columns=[*points[0], "trimmed", "reason", "warning", *POLES])
+    table = [{**p, **empty, **row} for p, row in zip(points, rows, strict=True)]
+    return pd.DataFrame(table, columns=[*points[0], "trimmed", "reason", "warning", *POLES])
 
 
 def _modes_at(points: list[dict[str, Any]]) -> list[dict[str, Any]]:

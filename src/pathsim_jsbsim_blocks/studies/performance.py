@@ -1,7 +1,7 @@
-"""Performance charts: what an aircraft can do, from trims, with samples of them flown.
+"""Performance charts of an aircraft, from trims; samples of them are flown.
 
 A climb is a trim at full throttle with the path angle free, a glide one with the throttle closed.
-Both hold their true airspeed. Best values are searched by trims, not read off a fitted curve.
+Both have constant true airspeed. Optima are searched by trims, not read off a fitted curve.
 """
 
 from __future__ import annotations
@@ -38,19 +38,19 @@ from .workers import WORKER_DIED, run_parts
 if TYPE_CHECKING:
     import pandas as pd
 
-# ft; those of propeller aircraft and gliders, and of jets
+# ft, for propeller aircraft and gliders, and for jets
 _ALTITUDES = ((0.0, 5000.0, 10e3, 15e3, 20e3), (0.0, 10e3, 20e3, 30e3, 40e3, 50e3))
 _FLAPS = (0.0, 0.5, 1.0)
-_HIGHEST = 90e3  # ft, where the search for a ceiling ends
-_FASTEST = 5000.0  # ft/min, for a climb that is steeper than the search goes
-_STEEPEST = 9.0  # g, what pilots stand
+_HIGHEST = 90e3  # ft, end of the search for a ceiling
+_FASTEST = 5000.0  # ft/min, for a climb steeper than the trim can find
+_STEEPEST = 9.0  # g, limit of pilot tolerance
 
 _GRID, _STEPS = 1.12, 22  # ratio of neighbouring airspeeds from the stall on, and their number
 _FAILURES = 6  # speeds in a row without trim, after which a curve ends
 _ENDS = ("highest level speed", "lowest level speed")
 
-_TURN = 10.0  # s, before a spiral grows
-_BURN = 20.0  # s in which the fuel flow of a turbine settles
+_TURN = 10.0  # s, short enough that an unstable spiral hardly grows
+_BURN = 20.0  # s, long enough for the fuel flow of a turbine to settle
 _DECELERATION = 1.0  # kt/s into the stall: CS 23.201(b), CS 25.103(c)
 
 COLUMNS = (
@@ -85,13 +85,13 @@ def _levels(plane: Plane) -> None:
 
 
 def _curve(
-    plane: Plane, find: Find, speeds: Sequence[float], drawn: str, *wanted: str
+    plane: Plane, find: Find, speeds: Sequence[float], drawn: str, *quantities: str
 ) -> list[TrimState]:
-    """States at these airspeeds; where there are none, the reason for what was wanted of them.
+    """States at these airspeeds; if there are none, the quantities are recorded with the reason.
 
-    An airspeed without trim between others is a row of what is drawn, with its reason.
+    An airspeed without trim between others is a row of the quantity ``drawn``, with its reason.
     """
-    found: list[TrimState] = []
+    states: list[TrimState] = []
     missed: list[tuple[float, str]] = []
     plane.reason = "no engine"
     if plane.airframe.engines or find == plane.glide:
@@ -102,17 +102,17 @@ def _curve(
                 if len(missed) == _FAILURES:
                     break
                 continue
-            for other, reason in missed if found else ():
+            for other, reason in missed if states else ():
                 plane.put(drawn, None, other, reason=reason)
             missed = []
-            found.append(state)
-    for quantity in () if found else wanted:
+            states.append(state)
+    for quantity in () if states else quantities:
         plane.put(quantity, None)
-    return found
+    return states
 
 
 def _level(plane: Plane, levels: Sequence[TrimState]) -> None:
-    """Thrust and fuel flow in level flight, and the ends of its airspeeds."""
+    """Thrust and fuel flow in level flight, and its minimum and maximum airspeed."""
     exact = [state for state in levels if state.condition.throttle is None]
     find, slow = (plane.trim, exact) if exact else (plane.level, levels)
     searches = ((plane.level, levels[-1:], _GRID), (find, slow[:1], 1.0 / _GRID))
@@ -156,7 +156,7 @@ def _burn(plane: Plane, level: TrimState) -> None:
     if flight["fuel"][-1] <= 0.0:
         return
     weight, step = flight["w"], _BURN / len(flight["w"])
-    # up to where a tank runs dry (Concorde) or the aircraft leaves its airspeed (XB-70)
+    # until a tank runs dry (Concorde) or the aircraft leaves its airspeed (XB-70)
     stays = abs(flight["vc"][1:] / level.speed - 1.0) < 0.01
     fed = np.flatnonzero(stays & (-np.diff(weight) > 0.9 * step * flight["fuel"][1:]))
     if not len(fed):
@@ -173,7 +173,7 @@ def _burn(plane: Plane, level: TrimState) -> None:
 
 
 def _climbs(plane: Plane, climbs: Sequence[TrimState]) -> None:
-    """Rate and angle of climb, the best of them, and the thrust available."""
+    """Rate and angle of climb, their maxima, and the thrust available."""
     if not climbs:
         return
     for state in climbs:
@@ -192,14 +192,14 @@ def _climbs(plane: Plane, climbs: Sequence[TrimState]) -> None:
 
 
 def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
-    """Sink rates, best glide, least sink, and the terms of lift and drag: least squares."""
+    """Sink rates, best glide, minimum sink, and least-squares fits of lift curve and drag polar."""
     if not glides:
         return
     for state in glides:
         plane.put("sink rate", -climb_rate(state), state.speed)
     far = best_of(plane.glide, _lift_over_drag, max(glides, key=_lift_over_drag))
     slow = best_of(plane.glide, climb_rate, max(glides, key=climb_rate))
-    why = "lift over drag grows down to the stall" if far.speed < 1.01 * glides[0].speed else ""
+    why = "L/D still increases at the stall" if far.speed < 1.01 * glides[0].speed else ""
     if far.gamma >= 0.0:
         why = "it climbs with the throttle closed"
     if why:
@@ -226,7 +226,7 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
 def _lift_over_drag(state: TrimState, gamma: float | None = None) -> float:
     """Lift over drag in a glide, or in one with this path angle in deg at its airspeed.
 
-    An idling jet's thrust is no part of it; a windmilling propeller's drag is.
+    Idle thrust of a jet is excluded; the drag of a windmilling propeller counts.
     """
     alpha = math.radians(state.alpha)
     path = math.radians(state.gamma if gamma is None else gamma)
@@ -236,7 +236,7 @@ def _lift_over_drag(state: TrimState, gamma: float | None = None) -> float:
 
 
 def _ceilings(plane: Plane) -> None:
-    """The altitudes at which the best rate of climb has fallen to 0 and to the service limit."""
+    """The altitudes at which the maximum rate of climb falls to 0 and to the service limit."""
     from scipy.optimize import brentq  # no trim needs it
 
     best: TrimState | None = None
@@ -248,7 +248,7 @@ def _ceilings(plane: Plane) -> None:
         if start is None:
             why, level = plane.reason, plane.first(plane.trim)
             plane.reason = why
-            # steeper than the search goes, or a thrust that it does not find
+            # a climb steeper than the trim can find, or too little thrust
             return math.inf if level and level.throttle[0] < 0.95 else -math.inf
         best = best_of(plane.climb, climb_rate, start, 1.1)
         return climb_rate(best)
@@ -268,7 +268,7 @@ def _ceilings(plane: Plane) -> None:
         high = next((i for i, altitude in enumerate(order) if rates[altitude] < limit), 0)
         if not high:
             least = min(rates, key=lambda altitude: rates[altitude])
-            why = f"above {_HIGHEST:.0f} ft: its rate of climb is least at {least:.0f} ft"
+            why = f"above {_HIGHEST:.0f} ft: its rate of climb is minimum at {least:.0f} ft"
         if high < 2:
             plane.put(f"{name} ceiling", None, reason=why)
             continue
@@ -290,7 +290,7 @@ def _turns(plane: Plane) -> None:
     for factor in (1.2, 1.4, 1.6, 1.85, 2.1, 2.8):
         speed, turn = factor * slow.speed, None
         for name, find in kinds.items():
-            # a turn that is sustained can be flown for an instant too
+            # start from the sustained turn, which can be flown for an instant too
             turn = _steepest(plane, partial(find, speed, mode="turn"), turn)
             at: Row = {"speed": speed, "reason": plane.reason}
             plane.put(f"{name} load factor", _turn_load(turn) if turn else None, **at)
@@ -306,7 +306,7 @@ def _turns(plane: Plane) -> None:
 
 
 def _turn_load(turn: TrimState) -> float:
-    """The force across the path over the weight, which its rate of turn and its path angle need."""
+    """Load factor: force across the path over weight, from turn rate and path angle."""
     across = turn.tas * math.radians(turn.turn_rate) / GRAVITY
     return math.cos(math.radians(turn.gamma)) * math.hypot(1.0, across)
 
@@ -314,18 +314,18 @@ def _turn_load(turn: TrimState) -> float:
 def _steepest(
     plane: Plane, find: Callable[..., TrimState | None], level: TrimState | None
 ) -> TrimState | None:
-    """The turn with the largest rate, its bank found in steps of a load factor, ever finer.
+    """The turn with the maximum rate, searched in ever finer steps of the load factor.
 
-    It begins at the ``level`` turn, if there is one, and is this where none turns faster.
+    The search starts at the ``level`` turn, if any, and returns it if no other is faster.
     """
-    found = level
+    steepest = level
     load, ratio = (1.0 / math.cos(math.radians(level.phi)) if level else 1.02), 1.3
     while ratio > 1.01:
         n = load * ratio
         plane.reason = f"{_STEEPEST:g} g"
         turn = None if n > _STEEPEST else find(bank=math.degrees(math.acos(1.0 / n)))
-        found, load, ratio = (turn, n, ratio) if turn else (found, load, math.sqrt(ratio))
-    return max(filter(None, (level, found)), key=lambda s: abs(s.turn_rate), default=None)
+        steepest, load, ratio = (turn, n, ratio) if turn else (steepest, load, math.sqrt(ratio))
+    return max(filter(None, (level, steepest)), key=lambda s: abs(s.turn_rate), default=None)
 
 
 def _load_factors(plane: Plane) -> None:
@@ -360,10 +360,10 @@ def _keas(plane: Plane, state: TrimState) -> float:
 def _gusts(plane: Plane, slow: TrimState) -> None:
     """Load factors in gusts of 50 ft/s at VC and 25 ft/s at VD, up to 20,000 ft.
 
-    CS 23.341(c) (amendment 4; CS 25.341 asks for the response to a tuned gust instead): n = 1 +-
+    CS 23.341(c) (amendment 4; CS 25.341 requires the response to a tuned gust instead): n = 1 +-
     Kg rho0 U V a / (2 W/S), Kg = 0.88 mu / (5.3 + mu), mu = 2 (W/S) / (rho c a g); K. G. Pratt,
     W. G. Walker, NACA Report 1206, 1954. The models have no design speeds: VC = 0.9 VH and
-    VD = 1.25 VC are the lowest that CS 23.335 allows.
+    VD = 1.25 VC are the minimum values of CS 23.335.
     """
     start = plane.level(1.5 * slow.speed) if plane.airframe.engines else None
     cruise = 0.9 * last(plane.level, start, _GRID).speed if start else 2.0 * slow.speed
@@ -384,7 +384,7 @@ def _gusts(plane: Plane, slow: TrimState) -> None:
 
 
 def _field(plane: Plane) -> None:
-    """Take-off and landing, with PathSim, which no trim needs."""
+    """Take-off and landing; imported late because only these need PathSim."""
     from .field import field
 
     field(plane)
@@ -401,8 +401,8 @@ _PARTS: Mapping[str, Callable[[Plane], None]] = {
 
 
 def _work(tasks: list[Mapping[str, Any]]) -> list[Row]:
-    """The rows of each task; where an aircraft cannot be loaded so, or does not glide, why."""
-    found = []
+    """The rows of each task, or the reason why an aircraft cannot be loaded or does not glide."""
+    results = []
     for task in tasks:
         try:
             plane = Plane(task)
@@ -412,8 +412,8 @@ def _work(tasks: list[Mapping[str, Any]]) -> list[Row]:
             rows = [{"chart": task["part"], "quantity": f"all of {task['part']}"}]
             rows[0] |= {"altitude_ft": task["altitude"], "weight_lb": task["weight"]}
             rows[0] |= {"flaps_norm": task["flaps"], "reason": reason_of(error)}
-        found.append({"rows": rows})
-    return found
+        results.append({"rows": rows})
+    return results
 
 
 def performance_table(
@@ -428,7 +428,7 @@ def performance_table(
     resume: str | Path | None = None,
     progress: bool = True,
 ) -> pd.DataFrame:
-    """What an aircraft can do: stall, level flight, climb, ceilings, glide, range, turns, V-n.
+    """Performance of an aircraft: stall, level flight, climb, ceilings, glide, range, turns, V-n.
 
     Retractable gear is up, fuel frozen, piston engines leaned in proportion to the air density. A
     sample of each chart is flown with controls fixed.
@@ -448,21 +448,21 @@ def performance_table(
     root, jobs, resume, progress
         as in `trim_sweep`
     create : dict or "missing", optional
-        properties that the model expects from its environment, with their values; others that it
-        lacks are created as 0
+        properties that the model expects from outside, with their values; other missing ones are
+        created as 0
 
     Returns
     -------
     pandas.DataFrame
         one row for each value: ``chart``, ``quantity``, its condition (``altitude_ft``,
         ``weight_lb``, ``flaps_norm``, ``speed_kcas``, ``load_factor``), ``value`` and ``unit``,
-        ``flown``, what a time history has found, ``difference_percent`` of it, and ``reason``: why
-        there is no value, or what limits it
+        ``flown``, the value measured in a time history, its ``difference_percent``, and ``reason``:
+        why there is no value, or what limits it
 
     Raises
     ------
     ParameterError
-        for numbers that are not possible for any aircraft
+        for numbers that are impossible for any aircraft
     AircraftError
         for a model that is unknown or cannot be initialised
     """
@@ -470,17 +470,17 @@ def performance_table(
     airframe, _ = prepared(aircraft, root, create)
     jet = bool(airframe.engines and not airframe.of_engines("propeller-rpm"))
     at = _ALTITUDES[jet] if altitudes is None else _axis("altitude", altitudes)
-    given = [None] if weights is None else _axis("weight", weights)
+    loadings = [None] if weights is None else _axis("weight", weights)
     settings = _FLAPS if flaps is None else _axis("flaps", flaps)
     common: Row = {"aircraft": airframe.aircraft, "root": root, "flaps": None}
     common["create"] = airframe.created
-    common |= {"altitude": at[0], "weight": given[0]}
-    parts = [{**common, "part": "level", "altitude": h, "weight": w} for w in given for h in at]
+    common |= {"altitude": at[0], "weight": loadings[0]}
+    parts = [{**common, "part": "level", "altitude": h, "weight": w} for w in loadings for h in at]
     parts += [{**common, "part": part} for part in ("turn", "V-n", "field")]
-    parts += [{**common, "part": "ceiling", "weight": w} for w in given]
-    loads = extremes(airframe) if weights is None else given
+    parts += [{**common, "part": "ceiling", "weight": w} for w in loadings]
+    loads = extremes(airframe) if weights is None else loadings
     parts += [{**common, "part": "stall", "weight": w, "flaps": f} for w in loads for f in settings]
-    found = run_parts(
+    results = run_parts(
         _work,
         [[part] for part in parts],
         died={"rows": [{"quantity": "all of a part", "reason": WORKER_DIED}]},
@@ -491,15 +491,15 @@ def performance_table(
         resume=resume,
         progress=progress,
     )
-    table = pd.DataFrame([row for part in found for row in part["rows"]], columns=list(COLUMNS))
+    table = pd.DataFrame([row for part in results for row in part["rows"]], columns=list(COLUMNS))
     table.attrs["aircraft"] = aircraft
     return table
 
 
 def _axis(name: str, values: Any) -> list[float]:
-    """One value of a condition or several, each once."""
+    """One or several values of a field of the condition, checked, without repetitions."""
     one = isinstance(values, str) or not np.iterable(values)
     weigh = partial(positive, name)
     check = weigh if name == "weight" else lambda x: getattr(TrimCondition(**{name: x}), name)
-    found = list(dict.fromkeys(check(x) for x in ([values] if one else values)))
-    return found or refuse(name, values, f"no {name}")
+    points = list(dict.fromkeys(check(x) for x in ([values] if one else values)))
+    return points or refuse(name, values, f"no {name}")

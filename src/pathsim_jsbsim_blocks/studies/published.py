@@ -139,10 +139,10 @@ def thrust_vectoring(
     resume: str | Path | None = None,
     progress: bool = True,
 ) -> pd.DataFrame:
-    """Thrust of an airliner against the pitch angle of its engines: where is the least?
+    """Thrust of an airliner against the pitch angle of its engines, and its minimum.
 
     A 737 in cruise (30,000 ft, Mach 0.8) and in climb (15,000 ft, 300 KCAS, 3 deg), 100 angles
-    from 0 to 10 deg. The least is at about 4 deg in both.
+    from 0 to 10 deg. The minimum is at about 4 deg in both.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The first look at a model: what it is, whether it flies, and what to do about its faults."""
+"""The first look at a model: its parts, whether it flies, and how to deal with its faults."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 # the next step, by the subject of a fault or the reason of a failed trim
 _ADVICE = {
-    "model": "mend what it names; the logger pathsim_jsbsim_blocks.jsbsim has all that JSBSim says",
-    "properties": "pass the values that they have there, --create PROPERTY=VALUE (create={...})",
+    "model": "correct the file; logger pathsim_jsbsim_blocks.jsbsim has all of JSBSim's messages",
+    "properties": "pass their values, --create PROPERTY=VALUE (create={...})",
     "fuel": "fill the tanks: --set PROPERTY=LB (setup), or fuel=[...] of the condition",
     "fuel valve": "find the model's cocks, pathsim-jsbsim properties, and open them: --set (setup)",
     "commands": "see what moves the surfaces, pathsim-jsbsim properties NAME fcs, and command that",
-    "signs": "negate them in the model's XML: gains and holds go by the signs of JSBSim's models",
+    "signs": "negate them in the model's XML: gains and holds assume the signs of JSBSim's models",
     "no effect": "see the commands above",
     "propeller": "give each <propeller> a moment of inertia, <ixx>, or try other conditions",
     "mixture": "set that mixture: --set (setup)",
@@ -45,7 +45,7 @@ _OTHERS = ("altitude", "heading", "position", "engine")
 
 
 class Fault(NamedTuple):
-    """What is wrong with a model, and the next step."""
+    """A fault of a model, and the next step."""
 
     subject: str
     reason: str
@@ -150,7 +150,7 @@ def _wrapped(head: str, text: str) -> list[str]:
 def aircraft_report(
     aircraft: str, root: str | None = None, create: Mapping[str, float] | str | None = None
 ) -> AircraftReport:
-    """What a model is, whether it loads, trims and stays, and what to do about its faults.
+    """Report a model's parts, whether it loads, trims and stays, and its faults with next steps.
 
     Parameters
     ----------
@@ -159,18 +159,18 @@ def aircraft_report(
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
     create : dict or "missing", optional
-        as of `Airframe`; what else the model lacks is created as 0
+        as for `Airframe`; other missing properties are created as 0
 
     Raises
     ------
     AircraftError
-        if there is no such model; whatever is wrong with one is in the report
+        if there is no such model; faults of a model are in the report
     ParameterError, PropertyError
-        for names and values of ``create`` that are not possible
+        for impossible names and values in ``create``
     """
     file = ModelFile(aircraft, root)
     with warnings.catch_warnings():
-        # zeros, kinks, a gear that is down: the report has what matters
+        # the report itself covers missing properties, nonlinearity and the extended gear
         warnings.simplefilter("ignore")
         try:
             airframe, clean = prepared(aircraft, root, create)
@@ -185,7 +185,7 @@ def aircraft_report(
     values = create if isinstance(create, Mapping) else {}
     missing = tuple(name for name in airframe.created if name not in values)
     if missing:
-        fault = _fault("properties", f"it lacks {', '.join(missing)}: 0 in this report")
+        fault = _fault("properties", f"missing: {', '.join(missing)}; 0 in this report")
         flown["faults"] = (fault, *flown["faults"])
     return AircraftReport(
         file.aircraft,
@@ -214,31 +214,31 @@ def _sealed(file: ModelFile) -> Iterator[str]:
 
 
 def _flown(model: Mapping[str, Any], clean: TrimCondition, powered: bool) -> dict[str, Any]:
-    """Condition, effects, trim, modes and faults; tanks that engines miss are half full."""
+    """Condition, effects, trim, modes and faults; empty tanks that engines need are half filled."""
     mode, tries = ("full", TRIES) if powered else ("glide", GLIDES)
     try:
         flight = first_trim(**model, tries=tries, fly=10.0, mode=mode, setup=clean.setup)
     except TrimError as error:
         if error.reason == "fuel" and not error.properties.keys() & clean.setup.keys():
             half = _half_full(model, error.properties)
-            found = _flown(model, replace(clean, setup={**clean.setup, **half}), powered)
+            report = _flown(model, replace(clean, setup={**clean.setup, **half}), powered)
             fault = _fault("fuel", f"engines need fuel in empty tanks; in this report setup={half}")
-            return {**found, "faults": (fault, *found["faults"])}
-        found = _moved(model, error.condition)
+            return {**report, "faults": (fault, *report["faults"])}
+        report = _moved(model, error.condition)
         why = str(error).partition(f"{error.condition}: ")[2] or str(error)
-        found["faults"] += (_fault("trim", why, error.reason),)
-        return found
+        report["faults"] += (_fault("trim", why, error.reason),)
+        return report
     except BlocksError as error:
         return {"faults": (_fault("trim", str(error)),)}
-    found = {**_moved(model, flight.condition), "trim": flight.trim}
+    report = {**_moved(model, flight.condition), "trim": flight.trim}
     if not flight.trim.steady:
-        found["faults"] += (_fault("hands off", str(flight.trim.drift)),)
+        report["faults"] += (_fault("hands off", str(flight.trim.drift)),)
     method, modes, faults = _modes(model, flight.condition)
-    return {**found, "method": method, "modes": modes, "faults": (*found["faults"], *faults)}
+    return {**report, "method": method, "modes": modes, "faults": (*report["faults"], *faults)}
 
 
 def _half_full(model: Mapping[str, Any], tanks: Iterable[str]) -> dict[str, float]:
-    """Contents of tanks that are half full, in lb: JSBSim limits what is written to what fits."""
+    """Contents of half-full tanks in lb; JSBSim limits a value written to the capacity."""
     fdm, contents = Airframe(**model).fdm, dict[str, float]()
     for tank in tanks:
         fdm[tank] = 1e9
@@ -254,12 +254,13 @@ def _moved(model: Mapping[str, Any], condition: TrimCondition) -> dict[str, Any]
         return {"condition": condition, "faults": (_fault("commands", str(error), "trim"),)}
     own = " (the model writes it itself)"
     idle = [
-        f"{effect.properties[0]} gives no {effect.acceleration}{own * effect.written_by_model}"
+        f"{effect.properties[0]} has no effect on {effect.acceleration}"
+        f"{own * effect.written_by_model}"
         for effect in effects
         if not effect.moves
     ]
     turned = [
-        f"{effect.properties[0]} moves {effect.acceleration} the other way"
+        f"{effect.properties[0]} changes {effect.acceleration} with the opposite sign"
         for effect in effects
         if effect.moves and effect.size * _SIGNS[effect.acceleration] < 0.0
     ]

@@ -24,7 +24,7 @@ from .workers import WORKER_DIED, run_parts
 if TYPE_CHECKING:
     import pandas as pd
 
-# points trimmed on one aircraft; tables depend on it
+# points trimmed on one aircraft; results depend on it in the last bits
 _CHAIN = 20
 
 # fields of a state that a table shows, in this order
@@ -47,8 +47,8 @@ def trim_sweep(
 
     The table does not depend on the order of the points, on ``chunk`` or on the number of workers,
     bit for bit: the points are sorted and cut into chains of 20, each trimmed in order on a fresh
-    aircraft. The Newton search starts at the trim of the point before in its chain. A failed search
-    that alters JSBSim's state is followed by a fresh aircraft, too.
+    aircraft. The Newton search starts at the trim of the previous point in its chain. A failed
+    search that alters JSBSim's state is also followed by a fresh aircraft.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def trim_sweep(
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
     create : dict or "missing", optional
-        properties that the model expects from its environment, as of `Airframe`
+        properties that the model expects from outside, as for `Airframe`
     chunk : int
         points that a worker takes at once, rounded up to whole chains of 20
     jobs : int
@@ -82,7 +82,7 @@ def trim_sweep(
     pandas.DataFrame
         one row for each point, in the grid's order: the requested values (``requested_...``),
         ``trimmed``, ``reason`` (empty, or "thrust", "alpha limit", "elevator", "no convergence",
-        "worker died" or another limit) and the trim found, NaN where there is none.
+        "worker died" or another limit) and the trim, NaN if there is none.
         Each column ends with its unit (kcas: calibrated airspeed in kt, fps: ft/s, norm: fraction
         of the range). ``throttle_norm`` is that of the first engine: the trim moves all together;
         ``thrust_lb`` is their sum
@@ -90,8 +90,8 @@ def trim_sweep(
     Raises
     ------
     ParameterError
-        before the work begins: empty grid, unknown column, values that are not possible, a file
-        that cannot be written or belongs to another study
+        before the work begins: empty grid, unknown column, impossible values, a file that cannot
+        be written or belongs to another study
     AircraftError, PropertyError
         before the work begins: unknown aircraft, property, tank or point mass
     """
@@ -126,13 +126,13 @@ def trim_sweep(
         resume=resume,
         progress=progress,
     )
-    found_at = dict(zip(order, rows, strict=True))
-    rows = [found_at[i] for i in range(len(points))]
-    found = [column(name) for name in _FOUND] + outputs
+    rows_at = dict(zip(order, rows, strict=True))
+    rows = [rows_at[i] for i in range(len(points))]
+    columns = [column(name) for name in _FOUND] + outputs
     parts = [
         pd.DataFrame(requested(conditions, points)),
         pd.DataFrame(rows, columns=["trimmed", "reason"]),
-        pd.DataFrame([[row.get(x) for x in found] for row in rows], columns=found, dtype=float),
+        pd.DataFrame([[row.get(x) for x in columns] for row in rows], columns=columns, dtype=float),
     ]
     table = pd.concat(parts, axis=1)
     table.attrs["aircraft"] = aircraft  # for the titles of figures
@@ -140,13 +140,13 @@ def trim_sweep(
 
 
 def _place(condition: TrimCondition) -> tuple[Any, ...]:
-    """Key that sorts conditions: those of one kind together, near ones side by side."""
+    """Sort key that groups conditions of one structure, with similar ones side by side."""
     values = [getattr(condition, field.name) for field in dataclasses.fields(condition)]
     return structure(condition), *map(_sortable, [condition.empty_cg_x, *values])
 
 
 def _sortable(value: Any) -> tuple[Any, ...]:
-    """A value of a condition as one that can be compared with any other."""
+    """A value of a condition, in a form that can be compared with any other."""
     if isinstance(value, (float, int)):
         return "number", value
     if value is None:
@@ -157,7 +157,7 @@ def _sortable(value: Any) -> tuple[Any, ...]:
 
 
 def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimCondition]]:
-    """The conditions in order, cut between chains; a new kind of condition begins a new chain."""
+    """The conditions in order, cut between chains; a new structure begins a new chain."""
     size = math.ceil(size / _CHAIN) * _CHAIN
     chunks: list[list[TrimCondition]] = []
     before = None

@@ -1,4 +1,4 @@
-"""Run the parts of a study on all cores or on a cluster, and name the point that kills its worker.
+"""Run the parts of a study on all cores or on a cluster, and name a point that kills its worker.
 
 Work goes through joblib: to local processes, or under ``joblib.parallel_config("dask")`` to the
 cluster of that context. A study is cut into parts by its points alone, so that its table does not
@@ -38,11 +38,11 @@ _DIED = object()
 
 def run_parts(
     work: Work,  # must not raise for a point that merely fails
-    parts: list[Part],  # the points that one worker computes in their order
+    parts: list[Part],  # points that one worker computes in order
     *,
-    died: Row,  # of a point that kills its worker
-    describe: Callable[[Any], str],  # a point in words, for messages
-    title: str,  # the study in words
+    died: Row,  # row for a point that kills its worker
+    describe: Callable[[Any], str],  # text of a point, for messages
+    title: str,  # text of the study
     job: Callable[[], Mapping[str, Any]],  # all that rows depend on, as plain data by name
     jobs: int,  # worker processes, -1 for all cores; not used on a cluster
     resume: str | Path | None,  # file that keeps finished parts
@@ -76,10 +76,10 @@ def run_parts(
                     journal.write([index, result])
                 bar.update(len(result))
     except KeyboardInterrupt:
-        kept = "lost: name a file to resume from and they are kept"
-        kept = kept if resume is None else f"resume with {str(resume)!r}"
+        outcome = "lost; name a file to resume from to keep them"
+        outcome = outcome if resume is None else f"resume with {str(resume)!r}"
         done = _points(rows.values())
-        raise KeyboardInterrupt(f"{done} of {points} points done, {kept}") from None
+        raise KeyboardInterrupt(f"{done} of {points} points done, {outcome}") from None
     finally:
         if journal:
             journal.file.close()
@@ -98,10 +98,10 @@ def _computed(
     describe: Callable[[Any], str],
     jobs: int,
 ) -> Generator[tuple[int, list[Row]]]:
-    """Index and rows of each part that is not finished; those whose worker dies again, alone."""
+    """Index and rows of each unfinished part; parts whose worker dies are repeated one by one."""
     while pending := [i for i in range(len(parts)) if i not in finished]:
         suspects = []
-        # a worker without a part takes seconds to start all the same
+        # no more workers than parts: each takes seconds to start
         for index, result in _results(work, parts, pending, min(jobs, len(parts))):
             if result is _DIED:
                 suspects.append(index)
@@ -110,7 +110,7 @@ def _computed(
                 yield index, result
         if suspects:
             points = "; ".join(_span(parts[i], describe) for i in suspects)
-            died_at = f"a worker process died while these points were under way: {points}"
+            died_at = f"a worker process died while it computed these points: {points}"
             warn_user(f"{died_at}. They are computed again, one part at a time")
         for index in suspects:
             finished.add(index)
@@ -151,7 +151,7 @@ def _results(work: Work, parts: list[Part], pending: list[int], jobs: int) -> It
             under_way.append(index)
             yield joblib.delayed(lambda i, part: (i, work(part)))(index, parts[index])
 
-    # workers are kept for the next study; other arguments, as another folder, start new ones
+    # workers stay alive for the next study; other arguments (e.g. another folder) start new ones
     parallel = joblib.Parallel(
         n_jobs=jobs,
         batch_size=1,
@@ -168,7 +168,7 @@ def _results(work: Work, parts: list[Part], pending: list[int], jobs: int) -> It
         yield from ((index, _DIED) for index in under_way)
     finally:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # joblib tells how many tasks it drops
+            warnings.simplefilter("ignore")  # joblib warns about the tasks that it drops
             results.close()
 
 
@@ -185,7 +185,7 @@ def _begin_worker(caller: int, folder: str) -> None:
 
 
 def _end_with(caller: int) -> None:
-    """End this process when the one that started it has been killed: loky waits for minutes."""
+    """End this process once its caller has been killed; loky would wait for minutes."""
     while os.getppid() == caller:
         time.sleep(0.5)
     os._exit(1)
