@@ -29,7 +29,7 @@ from pathsim_jsbsim_blocks.design import (
     design_gains,
     design_schedule,
 )
-from pathsim_jsbsim_blocks.design.designed import linear_model
+from pathsim_jsbsim_blocks.design.designed import plant_model
 from pathsim_jsbsim_blocks.design.envelope import envelope
 from pathsim_jsbsim_blocks.design.outer import design_rudder, design_yaw
 from pathsim_jsbsim_blocks.design.plant import Plant
@@ -217,7 +217,7 @@ def rudder_of(name, point, near):
         plane = Aircraft(name, condition=condition, create=flight.create)
     except TrimError:
         return None
-    model, gains = linear_model(plane), point.gains
+    model, gains = plant_model(plane), point.gains
     plant = closed(Plant.of(model), PITCH, gains.pitch, "theta_cmd")
     room, vt = 1.0 - abs(plane.trim.rudder), float(model.x0[model.states.index("vt")])
     damper = design_yaw(plant, room)

@@ -98,9 +98,8 @@ def held(reference):
 
 
 def main(generations=GENERATIONS):
+    import matplotlib.pyplot as plt
     from matplotlib.ticker import MaxNLocator
-
-    from pathsim_jsbsim_blocks.plots import subplots
 
     start = time.perf_counter()
     weights, history = learn(int(generations))
@@ -109,7 +108,7 @@ def main(generations=GENERATIONS):
     trimmed = load_diagram("pitch_hold").aircraft.trim.theta
     reference = trimmed + wanted.size
     learned, usual = episode(environment(), weights, reference)[0], held(reference)
-    drawing, (above, below) = subplots(2, 1, layout="constrained", figsize=(9, 7))
+    drawing, (above, below) = plt.subplots(2, 1, layout="constrained", figsize=(9, 7))
     for name, (t, theta, _), color in (("learned", learned, "C1"), ("PitchHold", usual, "C0")):
         quality = response_quality(t, theta, reference, tolerance=wanted.tolerance)
         print(

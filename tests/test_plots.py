@@ -10,7 +10,6 @@ from pathsim.blocks import Scope, Source
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
 from pathsim_jsbsim_blocks.plots import (
-    against,
     ground_track,
     phase_portrait,
     saving_to,
@@ -94,9 +93,6 @@ def test_signal_by_its_label(scope):
     [
         (lambda scope: signal(scope, "pich"), "did you mean 'pitch'"),
         (lambda scope: signal(Aircraft("c172p", 5000, 90), "h"), "not Aircraft"),
-        (lambda scope: against("h", {"flight": Aircraft()}), "not Aircraft"),
-        (lambda scope: against("height", {}), "no scope"),
-        (lambda scope: against("heights", {"first": scope}), "height"),
         (lambda scope: time_histories(), "no scope"),
         (lambda scope: time_histories(Scope()), "run the simulation first"),
         (lambda scope: time_histories([1.0]), "a Scope or a FlightRecorder is needed, not"),
@@ -135,25 +131,6 @@ def test_a_ground_track_fills_its_picture(north, east):
     # what is left is for labels and the colour bar
     assert size.height - box.height < 2.4 * figure.dpi
     assert box.height > 1.5 * figure.dpi
-
-
-def test_flights_against_one_of_their_signals(scope):
-    other = Scope(labels=["pitch [deg]", "height [ft]", "plain", "heading [deg]"])
-    source = Source(lambda t: 7.0 + t)
-    wires = [Connection(source, *(other[i] for i in range(4)))]
-    Simulation([source, other], wires, dt=0.5, log=False).run(1.0)
-    figure = against("height", {"first": scope, "second": other})
-    assert [ax.get_xlabel() for ax in figure.axes] == ["height [ft]"] * 3
-    assert [ax.get_ylabel() for ax in figure.axes] == ["pitch [deg]", "heading [deg]", "plain"]
-    _, (height, pitch, _, _) = scope.read()
-    first, second = figure.axes[0].get_lines()
-    assert [line.get_label() for line in (first, second)] == ["first", "second"]
-    assert np.array_equal(first.get_xydata(), np.column_stack([height, pitch]))
-    # found by its label in the scope with another order
-    assert np.array_equal(second.get_xdata(), other.read()[1][1])
-    other.labels[0] = "bank [deg]"
-    with pytest.raises(ParameterError, match="no signal 'pitch'"):
-        against("height", {"first": scope, "second": other})
 
 
 def test_phase_portrait_shows_one_over_the_other():

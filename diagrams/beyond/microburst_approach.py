@@ -63,12 +63,12 @@ def f_factor():
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import subplots
+    import matplotlib.pyplot as plt
 
     time, (h, vc, throttle) = flight.read()
     _, (tailwind, downdraft, _) = wind.read()
     _, (h_still,) = still.read()
-    drawing, axes = subplots(4, 1, sharex=True, layout="constrained", figsize=(9, 10))
+    drawing, axes = plt.subplots(4, 1, sharex=True, layout="constrained", figsize=(9, 10))
     axes[0].plot(time, h, label="in the microburst")
     axes[0].plot(time, h_still, "k--", linewidth=0.9, label="in still air")
     axes[1].plot(time, tailwind, label="tailwind")

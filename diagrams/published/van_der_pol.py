@@ -37,10 +37,10 @@ sim = Simulation(
 
 
 def figure():
-    from pathsim_jsbsim_blocks.plots import subplots
+    import matplotlib.pyplot as plt
 
     time, (x, v) = scope.read()
-    drawing, (left, right) = subplots(1, 2, layout="constrained", figsize=(10, 4.2))
+    drawing, (left, right) = plt.subplots(1, 2, layout="constrained", figsize=(10, 4.2))
     left.plot(time, x, label="position x [-]")
     left.plot(time, v, "--", label="velocity v [1/s]")
     right.plot(x, v)

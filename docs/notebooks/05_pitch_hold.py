@@ -171,10 +171,10 @@ for rate in (60, 120):
 # A `Source` is a function of time: here an altitude that rises by 100 m/s.
 
 # %%
+import matplotlib.pyplot as plt
 from pathsim.blocks import Source
 
 from pathsim_jsbsim_blocks import ISAtmosphere
-from pathsim_jsbsim_blocks.plots import subplots
 
 altitude = Source(lambda t: 100.0 * t)  # m
 air = ISAtmosphere()
@@ -201,7 +201,7 @@ sim = Simulation(
 )
 sim.run(110.0)
 _, (height, pressure, density, temperature, sound) = scope.read()
-figure, axes = subplots(
+figure, axes = plt.subplots(
     2, 2, sharey=True, layout="constrained", figsize=(8, 6)
 )
 panels = {
@@ -215,7 +215,7 @@ for ax, (label, values) in zip(axes.flat, panels.items()):
     ax.set(xlabel=label, ylabel="altitude [km]")
     ax.grid(alpha=0.4)
 figure.suptitle("International Standard Atmosphere to 11 km")
-figure
+plt.show()
 
 # %% [markdown]
 # ## Calibrated and true airspeed

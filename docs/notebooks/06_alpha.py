@@ -33,16 +33,16 @@ table = pd.DataFrame(rows, columns=["KCAS", "alpha", "elevator", "reason"])
 table.iloc[::6].round(3)
 
 # %%
-from pathsim_jsbsim_blocks.plots import subplots
+import matplotlib.pyplot as plt
 
-figure, axes = subplots(2, 1, sharex=True, layout="constrained")
+figure, axes = plt.subplots(2, 1, sharex=True, layout="constrained")
 for ax, column, unit in zip(axes, ["alpha", "elevator"], ["deg", "-"]):
     ax.plot(table.KCAS, table[column], ".-")
     ax.set_ylabel(f"{column} [{unit}]")
     ax.grid(alpha=0.4)
 axes[1].set_xlabel("calibrated airspeed [kt]")
 figure.suptitle("global5000: level flight at 15,000 ft")
-figure
+plt.show()
 
 # %% [markdown]
 # ## Where there is no trim

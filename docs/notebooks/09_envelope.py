@@ -38,17 +38,17 @@ for speed in range(120, 460, 20):
 table = pd.DataFrame(rows, columns=["KCAS", "gamma", "throttle", "reason"])
 
 # %%
-from pathsim_jsbsim_blocks.plots import subplots
+import matplotlib.pyplot as plt
 
 trims = table[table.reason == ""]
-figure, ax = subplots(layout="constrained")
+figure, ax = plt.subplots(layout="constrained")
 points = ax.scatter(trims.KCAS, trims.gamma, c=trims.throttle)
 fails = table[table.reason != ""]
 ax.scatter(fails.KCAS, fails.gamma, marker="x", color="0.7", s=15)
 ax.set(xlabel="calibrated airspeed [kt]", ylabel="flight path angle [deg]")
 ax.set_title("737 at 15,000 ft: steady flight; crosses have no trim")
 figure.colorbar(points, label="throttle [-]")
-figure
+plt.show()
 
 # %% [markdown]
 # Points without a trim say why:

@@ -147,13 +147,20 @@ print(
 )
 
 # %%
-from pathsim_jsbsim_blocks.plots import against
+import matplotlib.pyplot as plt
 
-against(
-    "altitude",
-    {"first trim held": held, "by schedule": scheduled},
-    title="A-4: climb from a trim at 300 KCAS and 5 deg",
+figure, (left, right) = plt.subplots(
+    1, 2, layout="constrained", figsize=(8, 3.8)
 )
+for name, scope in (("first trim held", held), ("by schedule", scheduled)):
+    _, (h, speed, gamma) = scope.read()
+    left.plot(h, speed, label=name)
+    right.plot(h, gamma)
+left.set(xlabel="altitude [ft]", ylabel="airspeed [kt]")
+right.set(xlabel="altitude [ft]", ylabel="flight path angle [deg]")
+left.legend()
+figure.suptitle("A-4: climb from a trim at 300 KCAS and 5 deg")
+plt.show()
 
 # %% [markdown]
 # The schedule asks for 5 deg and the aircraft flies 4.6: at constant calibrated airspeed the true airspeed grows with the
@@ -175,6 +182,7 @@ from pathsim.blocks import Amplifier, Constant, Function, Source
 
 from pathsim_jsbsim_blocks import CAStoTAS, MachtoTAS
 from pathsim_jsbsim_blocks.air import crossover_altitude
+from pathsim_jsbsim_blocks.plots import phase_portrait
 
 knot, foot = 1852 / 3600, 0.3048  # m/s, m
 altitude = Source(lambda t: 2000 * foot / 60 * t)
@@ -202,9 +210,11 @@ sim.run(1350.0)
 print(
     f"crossover altitude {crossover_altitude(250 * knot, 0.70) / foot:,.0f} ft"
 )
-against(
-    "true airspeed",
-    {"climb": speeds},
+_, (h, tas) = speeds.read()
+phase_portrait(
+    tas,
+    h,
+    ("true airspeed [kt]", "altitude [ft]"),
     title="climb at 250 KCAS / Mach 0.70",
 )
 
@@ -215,10 +225,11 @@ against(
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks.plots import show
 
 airliner = load_diagram("constant_cas_climb")
 airliner.sim.run(airliner.DURATION)
-airliner.figure()
+show(airliner.figure(), "climb")
 
 # %% [markdown]
 # [Forces in a climb](../concepts/forces-in-a-climb.md) has the equations. Next:

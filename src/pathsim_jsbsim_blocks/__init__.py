@@ -4,7 +4,7 @@ Every block is imported from here, and so are ``fly``, ``TrimCondition``, ``Trim
 errors of blocks. Functions are imported from the module of their subject:
 
 - ``air``: the standard atmosphere and airspeeds, such as ``isa`` and ``cas_to_tas``
-- ``axes``: axes of the aircraft and of the Earth, ``great_circle``, ``place``
+- ``axes``: axes of the aircraft and of the Earth, ``great_circle``
 - ``catalogue``: the diagrams, ``load_diagram``, ``find_diagram``
 - ``check_cases``: NASA's check cases, ``fly_case``, ``compare``
 - ``control``: ``response_quality`` of a step

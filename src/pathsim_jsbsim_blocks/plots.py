@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from pathsim.blocks import Scope
 
 __all__ = [
-    "against",
     "aircraft_points",
     "ground_track",
     "phase_portrait",
@@ -38,7 +37,6 @@ __all__ = [
     "settling",
     "show",
     "signal",
-    "subplots",
     "time_histories",
 ]
 
@@ -317,42 +315,6 @@ def ground_track(
     ax.grid(alpha=0.4)
     ax.legend(loc="best")
     figure.colorbar(track, label="time [s]", location="bottom", shrink=0.6)
-    return figure
-
-
-def against(label: str, flights: Mapping[str, Scope], title: str = "") -> Figure:
-    """Signals against one of them, such as the altitude, with several flights in one figure.
-
-    Parameters
-    ----------
-    label : str
-        label of the signal on the abscissa, with or without its unit; every scope has it
-    flights : dict
-        name of each flight, as the legend shows it, and its scope with recorded data. The other
-        signals of the first scope have a panel each; the other scopes have them too
-    title : str
-        headline of the figure
-
-    Raises
-    ------
-    ParameterError
-        if there is no flight, or a scope lacks one of the signals; the message names the nearest
-    """
-    if not flights:
-        refuse("flights", flights, "flights holds no scope")
-    first = next(iter(flights.values()))
-    signals = [_label(first, i) for i in range(len(recording(first)[1]))]
-    along = signals[_index([name for name, _ in signals], label)]
-    panels = [shown for shown in signals if shown != along]
-    size, n = (1 + 3.5 * len(panels), 3.8), len(panels)
-    figure, axes = subplots(1, n, squeeze=False, layout="constrained", figsize=size, title=title)
-    for ax, (name, unit) in zip(axes[0], panels, strict=True):
-        for (flight, scope), dashes in zip(flights.items(), itertools.cycle(_DASHES), strict=False):
-            x, y = signal(scope, along[0])[1], signal(scope, name)[1]
-            ax.plot(x, y, dashes, label=flight, linewidth=1.5)
-        ax.set(xlabel=axis_label(*along), ylabel=axis_label(name, unit))
-        ax.grid(alpha=0.4)
-    axes[0, 0].legend(loc="best", fontsize="small")
     return figure
 
 

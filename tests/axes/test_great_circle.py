@@ -34,13 +34,13 @@ def test_geodesics(nmi, beside, course_error):
         course, length = rng.uniform(0.0, 360.0), nmi * NMI
         leg = great_circle(start, geodesic(*start, course, length))
         assert leg.length == pytest.approx(length, rel=3e-5)
-        found = leg.track(place(*start))
+        found = leg.track(start)
         assert found.across == pytest.approx(0.0, abs=1e-5)
         assert found.to_go == pytest.approx(length, rel=3e-4)
         assert math.remainder(found.course - course, 360.0) == pytest.approx(0.0, abs=course_error)
-        middle = leg.track(place(*geodesic(*start, course, length / 2)))
+        middle = leg.track(geodesic(*start, course, length / 2))
         assert abs(middle.across) < beside
-        beyond = leg.track(place(*geodesic(*start, course, 1.01 * length)))
+        beyond = leg.track(geodesic(*start, course, 1.01 * length))
         assert beyond.to_go == pytest.approx(-0.01 * length, rel=2e-3)
 
 
@@ -50,24 +50,24 @@ def test_cross_track_error_to_the_side(side):
     start = (47.0, 11.0)
     leg = great_circle(start, geodesic(*start, 40.0, 30 * NMI))
     on = geodesic(*start, 40.0, 10 * NMI)
-    course = leg.track(place(*on)).course
-    found = leg.track(place(*geodesic(*on, course + side * 90.0, 3000.0)))
+    course = leg.track(on).course
+    found = leg.track(geodesic(*on, course + side * 90.0, 3000.0))
     assert found.across == pytest.approx(side * 3000.0, abs=0.5)
     assert found.to_go == pytest.approx(20 * NMI, abs=40.0)
 
 
 def test_meridian_and_equator():
-    north = great_circle((0.0, 0.0), (10.0, 0.0)).track(place(5.0, 0.0))
+    north = great_circle((0.0, 0.0), (10.0, 0.0)).track((5.0, 0.0))
     assert (north.across, north.course) == pytest.approx((0.0, 0.0), abs=1e-9)
     east = great_circle((0.0, 10.0), (0.0, 11.0))
     assert east.length == pytest.approx(math.radians(1.0) * A, rel=1e-9)
-    found = east.track(place(0.01, 10.5))
+    found = east.track((0.01, 10.5))
     assert found.course == pytest.approx(90.0, abs=1e-9)
     # radius of curvature of the meridian at the equator, b^2/a; measured from the Earth's centre,
     # as the circle's plane is
     assert found.across == pytest.approx(-math.radians(0.01) * B * B / A, rel=1e-6)
-    assert east.track(place(0.0, 11.5)).to_go == pytest.approx(-math.radians(0.5) * A, rel=1e-9)
-    west = great_circle((0.0, 11.0), (0.0, 10.0)).track(place(0.01, 10.5))
+    assert east.track((0.0, 11.5)).to_go == pytest.approx(-math.radians(0.5) * A, rel=1e-9)
+    west = great_circle((0.0, 11.0), (0.0, 10.0)).track((0.01, 10.5))
     assert (west.course, west.across) == pytest.approx((270.0, -found.across))
 
 
@@ -85,9 +85,9 @@ def test_a_circle_is_three_unit_vectors_at_right_angles():
 def test_across_the_date_line_and_over_the_pole():
     leg = great_circle((10.0, 179.5), (10.0, -179.5))
     assert leg.length == pytest.approx(great_circle((10.0, 0.0), (10.0, 1.0)).length, rel=1e-12)
-    over = great_circle((89.0, 0.0), (89.0, 180.0)).track(place(89.9, 0.0))
+    over = great_circle((89.0, 0.0), (89.0, 180.0)).track((89.9, 0.0))
     assert over.course == pytest.approx(0.0, abs=1e-9)
-    assert great_circle((89.0, 0.0), (89.0, 180.0)).track(place(89.9, 180.0)).course == 180.0
+    assert great_circle((89.0, 0.0), (89.0, 180.0)).track((89.9, 180.0)).course == 180.0
 
 
 def test_the_surface_is_that_of_the_other_functions():

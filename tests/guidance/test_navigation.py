@@ -440,7 +440,7 @@ def test_a_holding_pattern_has_its_shape_at_any_latitude(lat):
         (back, -length - radius, radius),
         (inbound, -0.5 * length, 0.0),
     ):
-        assert leg.track(there(ahead, right)).across == pytest.approx(0.0, abs=5.0)
+        assert leg.track_at(there(ahead, right)).across == pytest.approx(0.0, abs=5.0)
 
 
 @pytest.mark.long

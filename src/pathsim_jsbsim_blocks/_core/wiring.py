@@ -76,7 +76,7 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
                     "use an Adder. One of them has no effect"
                 )
     for block in blocks:
-        for i in _numbers(getattr(block, "places", ()), block.inputs):
+        for i in _numbers(getattr(block, "_places", ()), block.inputs):
             if (id(block), i) not in ends:
                 yield f"{_port(block, i, block.inputs)} is 0: no wire leads to it"
         commands: Mapping[str, str] = getattr(block, "commands", {})

@@ -28,7 +28,7 @@ from .earth import (
     ned_to_geodetic,
     ned_vector_to_ecef,
 )
-from .navigation import great_circle, place
+from .navigation import great_circle
 
 __all__ = [
     "BodyToNED",
@@ -55,7 +55,6 @@ __all__ = [
     "ned_to_ecef",
     "ned_to_geodetic",
     "ned_vector_to_ecef",
-    "place",
     "stability_to_body",
     "stability_to_wind",
     "structural_to_body",

@@ -36,7 +36,7 @@ class Place(NamedTuple):
     east: Vector
 
 
-class Track(NamedTuple):
+class CrossTrack(NamedTuple):
     """Where a point is, seen from a great circle.
 
     ``across`` is the distance from the circle in ft, positive to the right of it, ``to_go`` that
@@ -61,13 +61,23 @@ class GreatCircle(NamedTuple):
     forward: Vector
     length: float
 
-    def track(self, here: Place) -> Track:
-        """Cross-track error, distance to the end and course; both distances within 0.03 %."""
+    def track(self, point: tuple[float, float]) -> CrossTrack:
+        """Where a point is, given as its latitude and longitude in deg; lengths within 0.03 %.
+
+        Raises
+        ------
+        ParameterError
+            for what is not two numbers, and a latitude beyond 90 deg
+        """
+        return self.track_at(place(*latitude_longitude("point", point)))
+
+    def track_at(self, here: Place) -> CrossTrack:
+        """The same for a place."""
         p = here.position
         radius = math.sqrt(_dot(p, p))
         across = -radius * math.asin(_dot(p, self.left) / radius)
         to_go = radius * math.atan2(-_dot(p, self.forward), _dot(p, self.end))
-        return Track(across, to_go, _course(_cross(self.left, p), here))
+        return CrossTrack(across, to_go, _course(_cross(self.left, p), here))
 
 
 class Arc(NamedTuple):
@@ -79,7 +89,7 @@ class Arc(NamedTuple):
     extent: float  # angle of the arc, deg in (0, 360)
     side: float  # 1 turns right, -1 left
 
-    def track(self, here: Place) -> Track:
+    def track_at(self, here: Place) -> CrossTrack:
         """Distance from the arc, distance along it to the end, and course."""
         bearing = bearing_from(self.centre, here)
         angle = self.side * (self.end - bearing) % 360.0
@@ -88,7 +98,7 @@ class Arc(NamedTuple):
             angle -= 360.0
         across = self.side * (self.radius - distance(self.centre, here))
         course = (bearing + self.side * 90.0) % 360.0
-        return Track(across, self.radius * math.radians(angle), course)
+        return CrossTrack(across, self.radius * math.radians(angle), course)
 
 
 def arc_about(centre: Place, first: Place, last: Place, side: float) -> Arc:
@@ -105,18 +115,7 @@ def bearing_from(centre: Place, there: Place) -> float:
 
 
 def place(lat: float, lon: float) -> Place:
-    """The point of the surface at a geodetic latitude and longitude, deg.
-
-    Raises
-    ------
-    ParameterError
-        for what is not two numbers, and a latitude beyond 90 deg
-    """
-    return place_unchecked(*point("place", (lat, lon)))
-
-
-def place_unchecked(lat: float, lon: float) -> Place:
-    """`place` for numbers that are known to be good."""
+    """The point of the surface at a geodetic latitude and longitude, deg."""
     lat, lon = math.radians(lat), math.radians(lon)
     s, c, sin, cos = math.sin(lat), math.cos(lat), math.sin(lon), math.cos(lon)
     N = _A2 / math.sqrt(_A2 * c * c + _B2 * s * s)
@@ -144,11 +143,12 @@ def great_circle(start: Any, end: Any) -> GreatCircle:
     Examples
     --------
     >>> leg = great_circle((0.0, 0.0), (0.0, 1.0))
-    >>> track = leg.track(place(0.1, 0.5))
+    >>> track = leg.track((0.1, 0.5))
     >>> round(leg.length), round(track.across), round(track.to_go), round(track.course)
     (365221, -36278, 182611, 90)
     """
-    first, last = (place_unchecked(*point(name, p)) for name, p in (("start", start), ("end", end)))
+    first = place(*latitude_longitude("start", start))
+    last = place(*latitude_longitude("end", end))
     circle = circle_through(first, last)
     if circle is None:
         why = f"there is no single great circle from {tuple(start)} to {tuple(end)}: "
@@ -192,7 +192,7 @@ def motion(before: Place, now: Place) -> tuple[float, float]:
     return _dot(d, now.north), _dot(d, now.east)
 
 
-def point(parameter: str, value: Any) -> tuple[float, float]:
+def latitude_longitude(parameter: str, value: Any) -> tuple[float, float]:
     """Latitude and longitude, checked."""
     if not isinstance(value, (list, tuple)) or len(value) != 2:
         must_be(parameter, value, "a latitude and a longitude in deg")

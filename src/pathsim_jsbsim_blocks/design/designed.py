@@ -206,7 +206,7 @@ def design_gains(
 
     plane = fresh()
     trim = plane.trim
-    model = linear_model(plane, method)
+    model = plant_model(plane, method)
 
     def airframe() -> Airframe:
         return Airframe(
@@ -281,7 +281,7 @@ def _has_power(trim: TrimState) -> bool:
     return bool(trim.throttle) and trim.condition.mode != "glide"
 
 
-def linear_model(plane: Aircraft, method: Literal["flown", "algebraic"] = "flown") -> LinearModel:
+def plant_model(plane: Aircraft, method: Literal["flown", "algebraic"] = "flown") -> LinearModel:
     """What the loops are shaped for: the aircraft about its trim."""
     inputs = _INPUTS if _has_power(plane.trim) else _INPUTS[:3]
     try:

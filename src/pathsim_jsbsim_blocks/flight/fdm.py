@@ -184,7 +184,7 @@ class JSBSimFDM(FlightBlock):
         return self._trimmed
 
     @property
-    def places(self) -> list[str]:
+    def _places(self) -> list[str]:
         """Inputs that must be connected: the 0 of an open port is not their trimmed value."""
         ports = zip(port_names(self.inputs), self._trimmed, self.inputs.to_array(), strict=False)
         return [name for name, trimmed, now in ports if abs(trimmed) > _ROUNDING and not now]

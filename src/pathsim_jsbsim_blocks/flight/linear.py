@@ -82,7 +82,7 @@ def model_of(
     """Linear model about the trim of a block, as of `FlightBlock.linear_model`."""
     from ..linear import jsbsim
 
-    return jsbsim.linear_model(block, method, inputs, outputs, amplitude)
+    return jsbsim.model_about_trim(block, method, inputs, outputs, amplitude)
 
 
 def response_of(block: Flyable, input: str, increments: Sequence[float], output: str) -> np.ndarray:

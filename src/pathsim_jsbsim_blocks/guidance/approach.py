@@ -9,7 +9,7 @@ from typing import NamedTuple
 from .._core.checks import flag, heading, number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
-from ..axes.navigation import distance, place_unchecked, point
+from ..axes.navigation import distance, latitude_longitude, place
 from ..control.controller import Authority, Hold, authority_limits
 from ..control.gains import Gains
 from ..control.loops import DEGREES, LateralState, wrap
@@ -251,7 +251,7 @@ class GlideslopeHold(GuidedHold):
     """
 
     gains: Gains = "c172p"
-    threshold: tuple[float, float] = parameter((0.0, 0.0), point)
+    threshold: tuple[float, float] = parameter((0.0, 0.0), latitude_longitude)
     elevation: float = parameter(0.0, number)
     angle: float = parameter(3.0, number, above=0.0, low=0.1, high=20.0)
     crossing_height: float = parameter(50.0, number, low=0.0, high=1e4)
@@ -274,7 +274,7 @@ class GlideslopeHold(GuidedHold):
 
     def build(self) -> None:
         c = self._checked
-        self._threshold = place_unchecked(*c.threshold)
+        self._threshold = place(*c.threshold)
         self._slope = math.tan(math.radians(c.angle))
         self._foot = c.crossing_height / self._slope
         self.vertical = self.vertical_loops(*self.gains_of("altitude", "pitch", "envelope"))
@@ -285,7 +285,7 @@ class GlideslopeHold(GuidedHold):
         self.retune(vc, h)
         received = "gs_dist" in self.inputs.wired
         if not received:
-            away = distance(place_unchecked(lat, lon), self._threshold)
+            away = distance(place(lat, lon), self._threshold)
         speed, rate = state.speed, 0.0
         if state.dist is not None:
             rate = (state.dist - away) / self.clock.period

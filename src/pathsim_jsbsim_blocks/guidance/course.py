@@ -15,16 +15,16 @@ from .._core.units import GRAVITY, KNOT
 from ..axes.earth import ned_to_geodetic
 from ..axes.navigation import (
     Arc,
+    CrossTrack,
     GreatCircle,
     Place,
-    Track,
     arc_about,
     circle_through,
     distance,
     great_circle,
+    latitude_longitude,
     motion,
-    place_unchecked,
-    point,
+    place,
 )
 from ..control.controller import Authority, Hold, authority_limits, fill
 from ..control.gain_tables import slowest
@@ -202,7 +202,7 @@ class CourseHold(Hold):
         lat, lon, psi, phi, p, chi_ref, off, ail_sat, vc, vt = u[:10]
         ground, found, leg, direct, lateral = state
         leg = self._route.start if leg is None else leg
-        here = place_unchecked(lat, lon)
+        here = place(lat, lon)
         ground = ground.next(here, psi, self._share, self.clock.period)
         self.retune(vc)
         chi = (psi + ground.drift) % 360.0
@@ -275,7 +275,7 @@ class CourseHold(Hold):
         leg: int,
         direct: GreatCircle | None,
         engaged: bool,
-    ) -> tuple[int, GreatCircle | None, Track]:
+    ) -> tuple[int, GreatCircle | None, CrossTrack]:
         """Active leg, leg 0 once it is engaged, and where the aircraft is on the active one."""
         route = self._route
         leg = min(leg, len(route.legs))
@@ -286,12 +286,12 @@ class CourseHold(Hold):
                 leg = 1
         circle = route.legs[leg - 1] if leg else direct
         if circle is None:  # at the only waypoint
-            return leg, None, Track(0.0, 0.0, chi)
-        track = circle.track(here)
+            return leg, None, CrossTrack(0.0, 0.0, chi)
+        track = circle.track_at(here)
         after = route.after(leg)
         if engaged and after and track.to_go <= self._ahead(ground, vt, leg, after, track.course):
             leg = after
-            track = route.legs[leg - 1].track(here)
+            track = route.legs[leg - 1].track_at(here)
         return leg, direct, track
 
     def _ahead(self, ground: _Ground, vt: float, leg: int, after: int, course: float) -> float:
@@ -339,7 +339,7 @@ class _Route:
         if not isinstance(points, (list, tuple)) or (waypoints is not None and not points):
             must_be("waypoints", waypoints, "a list of (latitude, longitude) in deg")
         try:
-            self.waypoints = [place_unchecked(*point("waypoints", p)) for p in points]
+            self.waypoints = [place(*latitude_longitude("waypoints", p)) for p in points]
             circles = [great_circle(a, b) for a, b in pairwise(points)]
         except ParameterError as error:
             refuse("waypoints", waypoints, str(error))
@@ -355,7 +355,9 @@ class _Route:
             starts += corners
             # the first time, from any course
             self.fly_over.add(self.last + 1)
-        self.courses = [leg.track(here).course for leg, here in zip(self.legs, starts, strict=True)]
+        self.courses = [
+            leg.track_at(here).course for leg, here in zip(self.legs, starts, strict=True)
+        ]
         self.start = whole("leg", leg, low=0)
         if self.start > self.last:
             refuse(
@@ -383,7 +385,7 @@ class _Route:
     def _arc(arcs: Any, about: Any, first: Place, last: Place) -> Arc:
         if not isinstance(about, (list, tuple)) or len(about) != 3:
             refuse("arcs", arcs, f"an arc is (latitude, longitude, side), not {about!r}")
-        centre = place_unchecked(*point("arcs", about[:2]))
+        centre = place(*latitude_longitude("arcs", about[:2]))
         arc = arc_about(centre, first, last, _side("arcs", about[2]))
         off = distance(centre, first) - arc.radius
         if abs(off) > 0.01 * arc.radius:
@@ -404,7 +406,7 @@ class _Route:
         length = number("holding", holding[3], above=0.0)
 
         fix, (lat, lon) = self.waypoints[-1], points[-1]
-        pole = place_unchecked(math.copysign(90.0, lat), 0.0)
+        pole = place(math.copysign(90.0, lat), 0.0)
         if distance(fix, pole) <= math.hypot(2 * radius, length):
             refuse("holding", holding, f"the holding pattern at {lat:g} deg reaches the pole")
         c, s = math.cos(math.radians(course)), math.sin(math.radians(course))
@@ -412,7 +414,7 @@ class _Route:
         def corner(ahead: float, aside: float) -> Place:
             right = side * aside
             north, east = ahead * c - right * s, ahead * s + right * c
-            return place_unchecked(*map(float, ned_to_geodetic(north, east, 0.0, lat, lon)[:2]))
+            return place(*map(float, ned_to_geodetic(north, east, 0.0, lat, lon)[:2]))
 
         abeam = corner(0.0, 2 * radius)
         away, back = corner(-length, 2 * radius), corner(-length, 0.0)

@@ -10,7 +10,7 @@ from .._core.checks import heading, number, positive, whole
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
 from .._core.sampling import SampledLaw
-from ..axes.navigation import distance, line_to, place_unchecked, point
+from ..axes.navigation import distance, latitude_longitude, line_to, place
 
 RADIUS = 20.9e6  # ft, of the Earth: the surface falls away from a straight glide path
 _CORRELATION = 0.5  # s, of the noise
@@ -89,7 +89,7 @@ class Localizer(_Receiver):
         for values that are not finite or out of range
     """
 
-    station: tuple[float, float] = parameter((0.0, 0.0), point)
+    station: tuple[float, float] = parameter((0.0, 0.0), latitude_longitude)
     course: float = parameter(0.0, heading)
     width: float = parameter(math.inf, number, above=0.0, infinite=True)
     noise: float = parameter(0.0, number, low=0.0)
@@ -102,10 +102,10 @@ class Localizer(_Receiver):
 
     def build(self) -> None:
         super().build()
-        self._line = line_to(place_unchecked(*self._checked.station), self._checked.course)
+        self._line = line_to(place(*self._checked.station), self._checked.course)
 
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
-        across, to_go, _ = self._line.track(place_unchecked(*u))
+        across, to_go, _ = self._line.track_at(place(*u))
         degrees = math.degrees(math.atan2(across, abs(to_go)))
         seen, state = self.seen(degrees, across, abs(to_go), state)
         return [*seen, to_go], state
@@ -159,7 +159,7 @@ class Glideslope(_Receiver):
         for values that are not finite or out of range
     """
 
-    station: tuple[float, float] = parameter((0.0, 0.0), point)
+    station: tuple[float, float] = parameter((0.0, 0.0), latitude_longitude)
     elevation: float = parameter(0.0, number)
     angle: float = parameter(3.0, number, low=0.1, high=20.0)
     width: float = parameter(math.inf, number, above=0.0, infinite=True)
@@ -173,7 +173,7 @@ class Glideslope(_Receiver):
 
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
         c = self._checked
-        away = distance(place_unchecked(*u[:2]), place_unchecked(*c.station))
+        away = distance(place(*u[:2]), place(*c.station))
         degrees, feet = above_path(u[2] - c.elevation, away, c.angle)
         seen, state = self.seen(degrees, feet, away, state)
         return [*seen, away], state

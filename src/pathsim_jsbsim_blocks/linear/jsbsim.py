@@ -24,10 +24,10 @@ def linear_model_of(
 ) -> LinearModel:
     """Linear model of a model by name, as of `flight.linear_model`."""
     condition = TrimCondition() if condition is None else condition
-    return linear_model(Aircraft(aircraft, condition=condition, **options), *choices)
+    return model_about_trim(Aircraft(aircraft, condition=condition, **options), *choices)
 
 
-def linear_model(
+def model_about_trim(
     flown: Flyable,
     method: str,
     inputs: Sequence[str] | None,

@@ -50,7 +50,7 @@ def complete(content: Json) -> Json:
     }
 
 
-class Check:
+class ModelCheck:
     """Checks that every part of a model reaches its script."""
 
     def __init__(self, content: Json, registry: Json, path: Path):

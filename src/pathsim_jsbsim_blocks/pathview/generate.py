@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DiagramError
-from .check import BUSES, NUMBERS, Check, compiling, complete
+from .check import BUSES, NUMBERS, ModelCheck, compiling, complete
 from .diagram import NOTE
 from .shape import Json, with_parts
 from .variables import printable, without_clashes
@@ -20,7 +20,7 @@ from .variables import printable, without_clashes
 def checked(content: Json, registry: Json, path: Path) -> Json:
     """A model from `pvm`, complete and with names that do not clash, after a full check."""
     content = complete(content)
-    check = Check(content, registry, path)
+    check = ModelCheck(content, registry, path)
     check.all()
     shadowed = check.used & set(dir(builtins))
     return without_clashes(content, check.assigned | shadowed, check.called_later, path)

@@ -273,14 +273,14 @@ def _modes(
     model: Mapping[str, Any], condition: TrimCondition
 ) -> tuple[str, tuple[Mode, ...], tuple[Fault, ...]]:
     """The method that has a linear model, its modes, and the fault of the flown one."""
-    from ..design.designed import linear_model
+    from ..design.designed import plant_model
     from ..flight import Aircraft
 
     faults = tuple[Fault, ...]()
     for method in ("flown", "algebraic"):
         try:
             plane = Aircraft(**model, condition=condition)
-            return method, tuple(linear_model(plane, method).modes()), faults
+            return method, tuple(plant_model(plane, method).modes()), faults
         except BlocksError as error:
             faults = faults or (_fault("linear model", str(error.__cause__ or error)),)
     return "", (), faults

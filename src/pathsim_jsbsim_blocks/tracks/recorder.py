@@ -84,7 +84,7 @@ class FlightRecorder(Parametric, Scope):
     input_port_labels = {name: i for i, name in enumerate(POSITION)}
     output_port_labels = {}
     # inputs that must be connected
-    places = tuple(POSITION)
+    _places = tuple(POSITION)
 
     aircraft: str = parameter("aircraft", writable_text)
     name: str = parameter("", writable_text)

@@ -135,7 +135,7 @@ class Microburst(NamedFunction):
     input_port_labels = {"lat": 0, "lon": 1, "h": 2}
     output_port_labels = {"north": 0, "east": 1, "down": 2}
     # inputs that must be connected
-    places = ("lat", "lon", "h")
+    _places = ("lat", "lon", "h")
 
     def function(self, lat: float, lon: float, h: float) -> tuple[Any, Any, Any]:
         c = self._checked

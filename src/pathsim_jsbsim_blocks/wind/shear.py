@@ -103,7 +103,7 @@ class WindShear(NamedFunction):
     input_port_labels = {"h": 0}
     output_port_labels = {"north": 0, "east": 1}
     # inputs that must be connected
-    places = ("h",)
+    _places = ("h",)
 
     def function(self, h: float) -> tuple[float, float]:
         height = number("h", h) - self._checked.terrain
