@@ -17,6 +17,9 @@ from sphinx.util.inspect import stringify_signature
 from pathsim_jsbsim_blocks.catalogue import diagram_names
 
 
+FUNCTION = r'<mo form="prefix" lspace="0.17em" rspace="0.17em">\1</mo>\2'
+
+
 def mathml(writer, node):
     """Write a formula, in the text or on a line of its own."""
     block = isinstance(node, nodes.math_block)
@@ -29,6 +32,8 @@ def mathml(writer, node):
     except MathError as error:
         logging.getLogger(__name__).warning("formula: %s", error, location=node)
         formula = writer.encode(tex)
+    # browsers set functions without the thin spaces around them
+    formula = re.sub(r"<mi>(\w+)</mi>(\s*)<mo>&ApplyFunction;</mo>", FUNCTION, formula)
     writer.body.append(f'<div class="formula">{formula}</div>' if block else formula)
     raise nodes.SkipNode
 

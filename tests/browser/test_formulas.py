@@ -1,0 +1,67 @@
+"""Formulas of the site, as the browser draws them."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("sphinx")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = {"03_diagrams": "notebooks/03_diagrams.ipynb", "frames": "concepts/frames.md"}
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """Two pages of the site: with overdots, and with matrices."""
+    folder = tmp_path_factory.mktemp("site")
+    (folder / "source").mkdir()
+    for file in PAGES.values():
+        shutil.copy(DOCS / file, folder / "source")
+    root = "root_doc=03_diagrams"
+    command = [sys.executable, "-m", "sphinx", "-Q", "-c", DOCS, "-D", root]
+    subprocess.run([*command, folder / "source", folder / "html"], check=True)
+    return folder / "html"
+
+
+def opened(browser, site, name):
+    page = browser.new_page(device_scale_factor=4)
+    page.goto((site / f"{name}.html").as_uri())
+    page.evaluate("document.fonts.ready")
+    assert page.evaluate("document.fonts.check('16px \"Formula Math\"')")
+    return page
+
+
+def darkness(page, box, folder):
+    """The darkest grey in a box of the page, 0 for black to 255."""
+    image = pytest.importorskip("PIL.Image")
+    file = folder / "box.png"
+    page.screenshot(path=file, clip=box, full_page=True)
+    with image.open(file) as picture:
+        return picture.convert("L").getextrema()[0]
+
+
+@pytest.mark.long
+def test_overdots_of_chapter_3_are_seen(browser, site, tmp_path):
+    page = opened(browser, site, "03_diagrams")
+    dotted = page.locator("mover")
+    source = (DOCS / "notebooks/03_diagrams.py").read_text(encoding="utf-8")
+    assert dotted.count() == len(re.findall(r"\\d?dot ", source))
+    for i in range(dotted.count()):
+        letter, dots = (dotted.nth(i).locator("> *").nth(k).bounding_box() for k in (0, 1))
+        assert dots["y"] + dots["height"] / 2 < letter["y"] + letter["height"] / 2
+        assert darkness(page, dots, tmp_path) < 100
+    page.close()
+
+
+@pytest.mark.long
+def test_brackets_are_as_tall_as_their_matrices(browser, site):
+    page = opened(browser, site, "frames")
+    for row in page.locator("mrow:has(> mtable)").all():
+        table = row.locator("> mtable").bounding_box()["height"]
+        brackets = row.locator("> mo").all()
+        assert [b for b in brackets if b.bounding_box()["height"] > 0.9 * table], row.inner_html()
+    assert page.locator("mtable").count() >= 3
+    page.close()
