@@ -205,19 +205,35 @@ def drawn_in_pathview():
     return [n for n in diagram_names() if not n.startswith("check_case_") or n in kinds]
 
 
+# of the table of blocks: folders or files of the package
+SUBJECTS = {
+    "Aircraft": ("flight", "linear", "daveml"),
+    "Test inputs": ("sources",),
+    "Air data and units": ("air", "units"),
+    "Wind": ("wind",),
+    "Control": ("control",),
+    "Guidance and landing": ("guidance",),
+    "Axes": ("axes",),
+    "Recording": ("tracks",),
+}
+
+
 def blocks_page():
-    """A line for each block, from its docstring, and the file that has the docstring."""
-    rows = ["| block | |\n|---|---|\n"]
+    """A line for each block, by subject: its docstring's first, and the file that has the rest."""
+    subjects = {part: subject for subject, parts in SUBJECTS.items() for part in parts}
+    rows = {subject: "" for subject in SUBJECTS}
     for name in sorted(package.__all__):
         block = getattr(package, name)
         if isinstance(block, type) and issubclass(block, Block):
             file = Path(inspect.getfile(block)).relative_to(DOCS.parent).as_posix()
             summary = inspect.getdoc(block).partition("\n")[0].replace("``", "`")
-            rows.append(f"| [`{name}`](../../{file}) | {summary} |\n")
+            subject = subjects[block.__module__.split(".")[1]]
+            rows[subject] += f"| [`{name}`](../../{file}) | {summary} |\n"
+    tables = (f"## {subject}\n\n| block | |\n|---|---|\n{rows[subject]}" for subject in rows)
     return (
         "# All blocks\n\nThe docstring of a block is its manual page: equation, parameters, ports, "
         "units, signs.\n`pathsim-jsbsim help NAME` prints it, and a double click shows it in "
-        f"PathView.\n\n{''.join(rows)}"
+        "PathView.\n\n" + "\n".join(tables)
     )
 
 

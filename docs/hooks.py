@@ -16,7 +16,6 @@ from sphinx.util.inspect import stringify_signature
 
 from pathsim_jsbsim_blocks.catalogue import diagram_names
 
-
 FUNCTION = r'<mo form="prefix" lspace="0.17em" rspace="0.17em">\1</mo>\2'
 
 

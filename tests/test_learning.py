@@ -1,5 +1,6 @@
 """The commands that teach: the course copied to a folder, the manual pages of blocks."""
 
+import contextlib
 import errno
 import inspect
 import json
@@ -14,6 +15,7 @@ from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.cli import main
+from pathsim_jsbsim_blocks.cli.plain import plain_formula
 
 CHAPTERS = 11
 
@@ -79,18 +81,41 @@ def test_a_full_disk_leaves_no_cut_notebook(tmp_path, monkeypatch, capsys):
     assert "kept" not in capsys.readouterr().out
 
 
-def test_where_jupyter_refuses_to_start_no_open_is_named(tmp_path, monkeypatch, capsys):
+@pytest.fixture
+def lab(monkeypatch):
+    """A JupyterLab that only takes down its arguments, and cannot start if told so."""
+
     class LabApp:
+        started = []
+        exit = None
+
         @classmethod
         def launch_instance(cls, arguments):
-            raise SystemExit(1)
+            cls.started.append(arguments)
+            if cls.exit:
+                raise SystemExit(cls.exit)
 
     for name, module in {"jupyterlab": object(), "jupyterlab.labapp": LabApp}.items():
         monkeypatch.setitem(sys.modules, name, module)
-    monkeypatch.setattr(LabApp, "LabApp", LabApp, raising=False)
+    LabApp.LabApp = LabApp
+    return LabApp
+
+
+def test_where_jupyter_does_not_start_no_open_is_named(tmp_path, lab, capsys):
+    lab.exit = 1
     with pytest.raises(SystemExit):
         main(["course", str(tmp_path)])
     assert "pass --no-open, then run jupyter lab" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="without users by number")
+@pytest.mark.parametrize("user", [0, 1000])
+def test_jupyter_runs_as_root_too_and_says_so(user, tmp_path, lab, monkeypatch, capsys):
+    monkeypatch.setattr(os, "geteuid", lambda: user)
+    assert main(["course", str(tmp_path)]) == 0
+    (arguments,) = lab.started
+    assert arguments == [str(tmp_path / "01_hello.ipynb"), *["--allow-root"][user:]]
+    assert ("--allow-root" in capsys.readouterr().err) == (user == 0)
 
 
 BLOCKS = [
@@ -103,6 +128,55 @@ BLOCKS = [
 def test_help_without_a_block_lists_them_all(capsys):
     assert main(["help"]) == 0
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == BLOCKS
+
+
+def test_the_command_alone_shows_what_it_can_do(capsys):
+    assert main([]) == 0
+    alone = capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert alone == capsys.readouterr().out
+    assert "\n  course " in alone
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ("lst", "list"),
+        ("rnu", "run"),
+        ("gain", "gains"),
+        ("Trim", "trim"),
+        ("property", "properties"),
+    ],
+)
+def test_a_misspelt_command_is_answered_with_the_nearest(wrong, right, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([wrong])
+    assert ended.value.code == 2
+    assert f"did you mean {right!r}?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("tex", "plain"),
+    [
+        (r"\dot h_\mathrm{cmd} &= -\frac{h_w}{\tau} \\ e &\le 1", "hdot_cmd = -(h_w/tau)\ne <= 1"),
+        (r"\frac{1 + 3 (L \omega / V)^{2}}{\pi V}", "((1 + 3 (L omega / V)^(2))/(pi V))"),
+        (r"a = \sqrt{\gamma R (T + \Delta T)}, \qquad b", "a = sqrt(gamma R (T + Delta T)), b"),
+        (r"x \cos\alpha\,\sin\beta + \ddot{y}", "x cos alpha sin beta + yddot"),
+        (r"\theta_{\text{such that}} \cdot e^{-\frac{z}{2}}", "theta_(such that) * e^(-(z/2))"),
+    ],
+)
+def test_formulas_are_written_in_words(tex, plain):
+    assert plain_formula(tex) == plain
+
+
+@pytest.mark.parametrize("words", [["--help"], ["list"], ["help"], *(["help", b] for b in BLOCKS)])
+def test_a_terminal_shows_no_markup(words, capsys):
+    with contextlib.suppress(SystemExit):
+        main(words)
+    page = capsys.readouterr().out
+    assert page.count("\n") > 5
+    assert re.findall(r"\\[a-z]+|``|:\w+:`|.*math::.*", page) == []
 
 
 @pytest.mark.parametrize("name", first(BLOCKS, 5))

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from ..errors import BlocksError
+from .arguments import COMMANDS
 from .console import report
 from .parser import command_parser
 
@@ -23,7 +24,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
         # names that the terminal's encoding lacks
         sys.stdout.reconfigure(errors="backslashreplace")
-    args, unknown = command_parser().parse_known_args(argv)
+    arguments = sys.argv[1:] if argv is None else argv
+    parser = command_parser()
+    if not arguments:
+        parser.print_help()
+        return 0
+    if arguments[0][:1] != "-" and arguments[0] not in COMMANDS:
+        _refuse_command(parser, arguments[0])
+    args, unknown = parser.parse_known_args(arguments)
     if unknown:
         _refuse(args.parser, unknown)
     try:
@@ -39,6 +47,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         with contextlib.suppress(OSError):
             sys.stdout.flush()
         return report(error)
+
+
+def _refuse_command(parser: argparse.ArgumentParser, name: str) -> NoReturn:
+    """End with status 2 and the nearest command."""
+    from .._core.checks import did_you_mean, nearest
+
+    close = did_you_mean(nearest(name, COMMANDS, 1)) or "; pathsim-jsbsim --help lists them"
+    parser.error(f"no command {name!r}{close}")
 
 
 def _refuse(command: argparse.ArgumentParser, unknown: Sequence[str]) -> NoReturn:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import inspect
+import os
 import re
 import textwrap
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 from .._core.files import replacing
 from .arguments import command, option, switch
 from .console import tell
+from .plain import plain_text
 
 
 @command(
@@ -38,13 +40,16 @@ def course(args: argparse.Namespace) -> None:
     from jupyterlab.labapp import LabApp
 
     first = min(path.name for path in chapters().glob("*.ipynb"))
+    options = []
+    if hasattr(os, "geteuid") and os.geteuid() == 0:  # as in a container
+        options = ["--allow-root"]
+        tell("JupyterLab starts with --allow-root: its cells run as root")
     try:
         # in this process, so that to end the command ends the server
-        LabApp.launch_instance([str(args.folder / first)])
+        LabApp.launch_instance([str(args.folder / first), *options])
     except SystemExit as error:
         if error.code:
-            why = "JupyterLab did not start (it refuses root): pass --no-open, then run"
-            tell(f"{why} jupyter lab {args.folder}")
+            tell(f"JupyterLab did not start; pass --no-open, then run jupyter lab {args.folder}")
         raise
 
 
@@ -94,13 +99,13 @@ def help_(args: argparse.Namespace) -> None:
     if args.block is None:
         for name, block in ours.items():
             if is_block(block):
-                print(f"{name:<19} {(inspect.getdoc(block) or '').partition(chr(10))[0]}")
+                print(f"{name:<19} {plain_text(inspect.getdoc(block) or '').partition(chr(10))[0]}")
         return
     found = {**theirs, **ours}.get(args.block)
     if found is None:
         names = did_you_mean(nearest(args.block, [*ours, *theirs], 2))
         refuse("block", args.block, f"no block {args.block!r}{names}")
-    print((inspect.getdoc(found) or "").replace("``", "`").rstrip())
+    print(plain_text(inspect.getdoc(found) or "").rstrip())
     if is_block(found):
         _print_below("In a diagram", *_use(args.block, found))
     if not (inspect.isclass(found) and issubclass(found, Exception)):

@@ -16,6 +16,7 @@ from ..errors import BlocksError, ParameterError
 from .arguments import FIGURE, TOOLBOX, TRUST, command, file, number, option, repeatable
 from .console import directory_is_gone, report, tell
 from .editor import asking
+from .plain import plain_text
 from .saving import SignalsWriter, recording_scopes, save, saving_figures, signals_writer
 
 GROUPS = {
@@ -40,7 +41,7 @@ def list_(args: argparse.Namespace) -> None:
     for i, (title, part) in enumerate(parts.items()):
         print(f"{chr(10) * (i > 0)}{title}")
         for name, doc in part.items():
-            print(f"  {name:<{width}}  {doc.partition(chr(10))[0]}")
+            print(f"  {name:<{width}}  {plain_text(doc).partition(chr(10))[0]}")
 
 
 @command(
