@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections.abc import Callable
 
 # what a formula has, and what is printed for it, in this order
 _TEX = [
@@ -19,7 +20,7 @@ _TEX = [
     (r"\\[dt]frac(?![a-z])", r"\\frac"),
 ]
 # without braces inside, so that the inner ones go first
-_BRACES = [
+_BRACES: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
     (r"\\frac *\{([^{}]*)\} *\{([^{}]*)\}", lambda m: f"({_factor(m[1])}/{_factor(m[2])})"),
     (r"\\sqrt *\{([^{}]*)\}", r"sqrt(\1)"),
     (r"_\{(\w+)\}", r"_\1"),
