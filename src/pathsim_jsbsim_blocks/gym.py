@@ -61,39 +61,41 @@ Ranges = Mapping[str, tuple[float, float]]
 
 
 class _Actions(Block):
-    """Its outputs are the actions, its inputs take what the actions replace."""
+    """Outputs: the actions. Inputs: the signals they replace."""
 
 
 class _Signals:
-    """Ports with the ranges of their values, and the space that these make."""
+    """Ports with the ranges of their values, and the space of these ranges."""
 
-    def __init__(self, parameter: str, given: Any, known: Mapping[str, _Port], normalise: bool):
-        ranges = {n: _range(n, bounds) for n, bounds in mapping(parameter, given).items()}
+    def __init__(
+        self, parameter: str, intervals: Any, available: Mapping[str, _Port], normalise: bool
+    ):
+        ranges = {n: _range(n, bounds) for n, bounds in mapping(parameter, intervals).items()}
         self.names = [*ranges]
-        self.ports = [_known(parameter, name, known) for name in ranges]
+        self.ports = [_lookup(parameter, name, available) for name in ranges]
         self.read = [port_reader(register, i) for _, register, i in self.ports]
         self.low, self.high = low, high = np.array([*ranges.values()]).T
         if normalise:
             endless = [n for n, bounds in ranges.items() if not np.isfinite(np.subtract(*bounds))]
             if endless:
-                refuse("normalise", True, f"normalise needs a range of {endless[0]!r}")
+                refuse("normalise", True, f"normalise needs a finite range of {endless[0]!r}")
             low, high = -np.ones(len(ranges)), np.ones(len(ranges))
         self._normalised = normalise
         self.space = gymnasium.spaces.Box(low, high, dtype=np.float64)
 
     def within(self, x: np.ndarray) -> np.ndarray:
-        """Limited to the space; numpy's own clip takes three times as long."""
+        """Limited to the space; numpy's clip is three times slower."""
         return np.minimum(np.maximum(x, self.space.low), self.space.high)
 
-    def seen(self, y: list[float]) -> np.ndarray:
-        """Values of the ports as values of the space."""
+    def to_space(self, y: list[float]) -> np.ndarray:
+        """Values of the ports as a point of the space."""
         x = np.array(y)
         if self._normalised:
             x = 2.0 * (x - self.low) / (self.high - self.low) - 1.0
         return self.within(x)
 
-    def meant(self, x: np.ndarray) -> list[float]:
-        """Values of the space as values of the ports."""
+    def to_ports(self, x: np.ndarray) -> list[float]:
+        """A point of the space as values of the ports."""
         x = self.within(x)
         if self._normalised:
             x = self.low + 0.5 * (x + 1.0) * (self.high - self.low)
@@ -103,12 +105,12 @@ class _Signals:
 class _Values(Mapping[str, float]):
     """Values of all ports of a diagram by ``"BLOCK.PORT"``, and ``"time"`` in s."""
 
-    def __init__(self, sim: Simulation, known: Mapping[str, _Port]):
-        self._read = {name: port_reader(register, i) for name, (_, register, i) in known.items()}
+    def __init__(self, sim: Simulation, ports: Mapping[str, _Port]):
+        self._read = {name: port_reader(register, i) for name, (_, register, i) in ports.items()}
         self._read["time"] = lambda: float(sim.time)
 
     def __getitem__(self, name: str) -> float:
-        return _known("values", name, self._read)()
+        return _lookup("values", name, self._read)()
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._read)
@@ -125,7 +127,7 @@ class DiagramEnv(gymnasium.Env):
     simulation : pathsim.Simulation
         the diagram
     values : mapping
-        values of its ports now, as ``reward`` gets them
+        current values of its ports, as passed to ``reward``
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
@@ -135,23 +137,24 @@ class DiagramEnv(gymnasium.Env):
     observation_space: gymnasium.spaces.Box
 
     def __init__(self, build: Callable[[Mapping[str, Any]], Any], given: Mapping[str, Any]):
-        self._build, self._given = build, given
-        self._vary = {n: _range(n, r) for n, r in mapping("vary", given["vary"]).items()}
+        self._build = build
+        options = self._options = given
+        self._vary = {n: _range(n, r) for n, r in mapping("vary", options["vary"]).items()}
         for name, (low, high) in self._vary.items():
             number(name, high - low)
-        # a variable of a script takes effect where the script is built again
+        # a variable of a script takes effect only when the script is built again
         self._anew = any("." not in name for name in self._vary)
-        self._crash = number("crash", given["crash"])
-        self._reward, self._terminated = given["reward"], given["terminated"] or (lambda _: False)
+        self._crash = number("crash", options["crash"])
+        self._reward, self._terminated = options["reward"], options["terminated"] or (lambda _: False)
         for name, judge in (("reward", self._reward), ("terminated", self._terminated)):
             if not callable(judge):
                 must_be(name, judge, "a function of the values")
-        self.render_mode = given["render_mode"]
+        self.render_mode = options["render_mode"]
         if self.render_mode is not None:
             one_of("render_mode", self.render_mode, ("rgb_array",))
-        one_of("wired", given["wired"], ("refuse", "replace"))
-        flag("normalise", given["normalise"])
-        steps = positive("duration", given["duration"]) / positive("step", given["step"])
+        one_of("wired", options["wired"], ("refuse", "replace"))
+        flag("normalise", options["normalise"])
+        steps = positive("duration", options["duration"]) / positive("step", options["step"])
         self._longest = math.ceil(steps * (1 - _ROUNDING))
         self._pieces: SteppedRun | None = None
         self._rows: list[list[float]] = []
@@ -159,31 +162,31 @@ class DiagramEnv(gymnasium.Env):
         self.action_space, self.observation_space = self._actions.space, self._observed.space
 
     def _find(self, varied: Mapping[str, Any]) -> None:
-        """Build the diagram, find the ports in it and wire the actions."""
-        given, (sim, blocks) = self._given, self._build(varied)
+        """Build the diagram, find its ports and connect the actions."""
+        options, (sim, blocks) = self._options, self._build(varied)
         self.simulation = sim
         if sim.engine.is_adaptive:
             refuse("diagram", sim, "an environment needs a solver with a fixed step")
         if shared := [type(b).__name__ for b in contents(sim)[0] if draws_from_shared(b)]:
-            why = "draws from NumPy's global generator, which no seed reaches: use WhiteNoise"
+            why = "draws from NumPy's global generator, which cannot be seeded: use WhiteNoise"
             refuse("diagram", sim, f"{shared[0]} {why}")
         if any(isinstance(block, _Actions) for block in sim.blocks):
             refuse("diagram", sim, "this simulation is an environment already: build another one")
         self._count_steps()
-        known, seen = _ports(blocks, "inputs", "outputs"), given["observation"]
-        self.values = _Values(sim, known)
-        if isinstance(seen, (list, tuple)):
-            seen = dict.fromkeys(seen, (-np.inf, np.inf))
-        normalise = given["normalise"]
-        self._observed = _Signals("observation", seen, known, normalise)
-        self._actions = _Signals("action", given["action"], _ports(blocks, "inputs"), normalise)
+        ports, observation = _ports(blocks, "inputs", "outputs"), options["observation"]
+        self.values = _Values(sim, ports)
+        if isinstance(observation, (list, tuple)):
+            observation = dict.fromkeys(observation, (-np.inf, np.inf))
+        normalise = options["normalise"]
+        self._observed = _Signals("observation", observation, ports, normalise)
+        self._actions = _Signals("action", options["action"], _ports(blocks, "inputs"), normalise)
         parameters = {
             f"{name}.{parameter}": (block, parameter)
             for name, block in blocks.items()
             for parameter in block.info()["parameters"]
         }
-        self._places = {n: _known("vary", n, parameters) for n in self._vary if "." in n}
-        # last, so that a refusal leaves a user's simulation as it was
+        self._places = {n: _lookup("vary", n, parameters) for n in self._vary if "." in n}
+        # last, so that an error leaves the user's simulation unchanged
         self._wire()
         self._aircraft = next((b for b in sim.blocks if isinstance(b, Aircraft)), None)
         outputs = getattr(self._aircraft, "outputs", self._source.outputs)
@@ -193,26 +196,26 @@ class DiagramEnv(gymnasium.Env):
         warn_of_wiring(sim)
 
     def _count_steps(self) -> None:
-        step, dt = self._given["step"], self.simulation.dt
+        step, dt = self._options["step"], self.simulation.dt
         self._dt, self._count = dt, round(step / dt)
         if not self._count or abs(step / dt - self._count) > _ROUNDING * self._count:
             refuse("step", step, f"step must be a multiple of dt = {dt:.9g} s, not {step:.9g} s")
 
     def _wire(self) -> None:
-        """Lead the actions into the diagram, in place of the wires that lead to their ports."""
+        """Connect the actions to the diagram in place of the connections to their ports."""
         sim, ends = self.simulation, [(block, i) for block, _, i in self._actions.ports]
         replaced = []
         for name, end in zip(self._actions.names, ends, strict=True):
             if end[0] not in sim.blocks:
                 refuse("action", name, f"{name!r} is inside a subsystem")
             if ends.count(end) > 1:
-                refuse("action", name, f"two actions lead into {name!r}")
+                refuse("action", name, f"two actions have the port {name!r}")
             wires = [w for w in sim.connections if any(e == end for _, e in _ends(w))]
-            if wires and self._given["wired"] == "refuse":
-                why = f"a wire leads into {name!r}; wired='replace' takes its place"
+            if wires and self._options["wired"] == "refuse":
+                why = f"{name!r} is connected already; wired='replace' replaces the connection"
                 refuse("wired", "refuse", why)
             replaced += [wire for wire in wires if wire not in replaced]
-        # two, or what an action replaces would seem to decide the action
+        # two blocks: with one, the replaced signals would seem to feed the actions (a loop)
         self._source, spare = _Actions(), _Actions()
         sim.add_block(self._source)
         sim.add_block(spare)
@@ -227,16 +230,16 @@ class DiagramEnv(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode; ``options`` are values of what is varied, in place of those drawn.
+        """Begin an episode; ``options`` are values of varied parameters instead of random ones.
 
-        ``info["varied"]`` has the values. The ``seed`` decides all random numbers from here on.
+        ``info["varied"]`` has the values. The ``seed`` determines all later random numbers.
 
         Raises
         ------
         ParameterError
             for an option that is not varied
         TrimError
-            where the aircraft does not trim
+            if the aircraft does not trim
         """
         self._pieces = None
         super().reset(seed=seed)
@@ -260,21 +263,21 @@ class DiagramEnv(gymnasium.Env):
         return self._observe(), {"varied": varied}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Fly on for a step; an action beyond its range is limited to it.
+        """Fly one step; an action beyond its range is limited to it.
 
         A `FlightError` terminates the episode; ``info["reason"]`` has its text.
 
         Raises
         ------
         ParameterError
-            for an action of another shape, one that is not finite, a reward that is no finite
-            number, a ``terminated`` that is not True or False, and where the diagram's ``dt`` was
-            changed in the episode
+            for an action that has the wrong shape or is not finite, a reward that is not a finite
+            number, a ``terminated`` that is not True or False, and if the diagram's ``dt`` was
+            changed during the episode
         """
         if self._pieces is None:
             raise gymnasium.error.ResetNeeded("the episode has ended, or none has begun: reset()")
         if self.simulation.dt != self._dt:
-            why = f"dt was changed from {self._dt:.9g} s in the episode: reset() first"
+            why = f"dt was changed from {self._dt:.9g} s during the episode: call reset() first"
             refuse("dt", self.simulation.dt, why)
         try:
             u = np.asarray(action, dtype=float)
@@ -282,13 +285,13 @@ class DiagramEnv(gymnasium.Env):
             u = np.array(np.nan)
         if u.shape != self.action_space.shape or not np.isfinite(u).all():
             must_be("action", action, f"a list of {len(self._actions.names)} finite numbers")
-        show(self._source.outputs, self._actions.meant(u))
+        show(self._source.outputs, self._actions.to_ports(u))
         info, terminated = {}, True
         try:
             terminated = not self._pieces.run(self._count)
         except FlightError as error:
             info["reason"] = str(error)
-        # the step is flown and counts, whatever the judges do; the first row is the start
+        # before the judges, which may raise: the step counts; the first row is the start
         observation, truncated = self._observe(), len(self._rows) > self._longest
         if terminated:
             self._pieces = None
@@ -298,14 +301,14 @@ class DiagramEnv(gymnasium.Env):
         return observation, reward, terminated, truncated, info
 
     def _observe(self) -> np.ndarray:
-        """The observation, recorded with the action and the place of the first aircraft."""
+        """The observation; it is recorded with the action and the first aircraft's position."""
         y = [read() for read in self._observed.read]
         row = [self.values["time"], *y, *values(self._source.outputs)[: len(self._actions.names)]]
         self._rows.append(row + [read() for read in self._place])
-        return self._observed.seen(y)
+        return self._observed.to_space(y)
 
     def _recorded(self) -> tuple[np.ndarray, dict[str, np.ndarray], list[np.ndarray]]:
-        """Times of the episode, observations and actions, and the place of the aircraft."""
+        """Times of the episode, observations and actions, and the aircraft's position."""
         if not self._rows:
             raise gymnasium.error.ResetNeeded("no episode has begun: reset()")
         time, *columns = np.array(self._rows).T
@@ -322,7 +325,7 @@ class DiagramEnv(gymnasium.Env):
         FigureCanvasAgg(drawing)
         axes = drawing.subplots(len(signals), 1, sharex=True, squeeze=False)[:, 0]
         for i, (ax, (name, column)) in enumerate(zip(axes, signals.items(), strict=True)):
-            # an action is held over the step that ends at its time
+            # the action of a row is held over the step that ends there
             style = ("C0", "default") if i < len(self._observed.names) else ("C1", "steps-pre")
             ax.plot(time, column, style[0], drawstyle=style[1])
             ax.set_ylabel(name.replace(".", "\n"), fontsize="small", rotation=0, ha="right")
@@ -339,7 +342,7 @@ class DiagramEnv(gymnasium.Env):
         return np.array(canvas.buffer_rgba())[..., :3]
 
     def track(self) -> Track:
-        """The episode's flight, a row for each step, as `save_tracks` takes it.
+        """The episode's flight, one row for each step, for `save_tracks`.
 
         Raises
         ------
@@ -348,7 +351,7 @@ class DiagramEnv(gymnasium.Env):
         """
         time, signals, place = self._recorded()
         if self._aircraft is None:
-            refuse("diagram", self.simulation, "the diagram has no Aircraft, and so no track")
+            refuse("diagram", self.simulation, "no track: the diagram has no Aircraft")
         model = self._aircraft.airframe.aircraft
         at: dict[str, Any] = dict(zip(POSITION, place, strict=True))
         return Track(model, model, time, **at, signals=signals)
@@ -370,17 +373,17 @@ def make_env(
     crash: float = 0.0,
     render_mode: str | None = None,
 ) -> DiagramEnv:
-    """An environment of Gymnasium made of a diagram.
+    """Make a Gymnasium environment from a diagram.
 
     Ports are ``"BLOCK.PORT"``: BLOCK is a variable of the script, or of the caller for a
-    simulation, PORT the name of an output, or of an input where no output has it, or the number of
-    a port without a name.
+    simulation, PORT the name of an output, or else of an input, or the number of a port without a
+    name.
 
     Parameters
     ----------
     diagram : str, Path or Simulation
-        name in the catalogue, path of a script that builds ``sim``, or a simulation, which the
-        actions are wired into; its step is fixed
+        name in the catalogue, path of a script that builds ``sim``, or a simulation, to which the
+        actions are connected; its solver has a fixed step
     action : dict
         input ports with the range of their values, held over each step; at an `Aircraft` they are
         increments on the trimmed commands
@@ -390,8 +393,8 @@ def make_env(
         called after each step with the values of all ports by name, ``values["aircraft.theta"]``,
         and ``values["time"]`` in s; returns a finite number
     terminated : callable, optional
-        called likewise: True if the episode ends here, as it does by a ``sim.stop()`` in the
-        diagram and by a `FlightError`
+        called likewise: True ends the episode, as does a ``sim.stop()`` in the diagram or a
+        `FlightError`
     step : float
         simulated time of a step in s, a multiple of the diagram's ``dt``
     duration : float
@@ -400,9 +403,9 @@ def make_env(
         ranges from which each episode draws: ``"BLOCK.PARAMETER"``, set on the block before the
         reset, or ``"NAME"``, a variable of the script, which is then built again
     settings : dict, optional
-        values that the script is built with, as `load_diagram` takes them
+        values with which the script is built, as for `load_diagram`
     wired : str
-        "refuse" a wire that leads into an action's port, or "replace" it
+        "refuse" an action's port that is connected already, or "replace" the connection
     normalise : bool
         observations and actions between -1 and 1 over their ranges
     crash : float
@@ -413,23 +416,23 @@ def make_env(
     Raises
     ------
     ParameterError
-        for a port, parameter or variable that does not exist, naming the nearest, a port that is
-        wired, an adaptive solver, a ``step`` that is not a multiple of ``dt``, and a simulation
+        for a port, parameter or variable that does not exist, naming the nearest, a connected
+        port, an adaptive solver, a ``step`` that is not a multiple of ``dt``, and a simulation
         that is an environment already
     """
-    given = {n: v for n, v in locals().items() if n not in ("diagram", "settings")}
+    options = {n: v for n, v in locals().items() if n not in ("diagram", "settings")}
     if not action or not observation:
         refuse("action", action, "an environment needs at least one action and one observation")
     chosen = mapping("settings", settings)
     if isinstance(diagram, Simulation):
         if chosen or any("." not in name for name in mapping("vary", vary)):
-            refuse("settings", settings, "settings and variables are those of scripts")
+            refuse("settings", settings, "settings and variables need a script, not a simulation")
         names = (_named(diagram, {**f.f_globals, **f.f_locals}) for f in frames())
         built = diagram, next(filter(None, names), {})
-        return DiagramEnv(lambda varied: built, given)
+        return DiagramEnv(lambda varied: built, options)
     script = find_diagram(str(diagram))
     if any("." not in name for name in mapping("vary", vary)):
-        # refuses what the script does not have
+        # raises for variables that the script does not have
         Script(script, {**chosen, **dict.fromkeys(mapping("vary", vary))})
 
     def build(varied: Mapping[str, Any]) -> tuple[Simulation, dict[str, Block]]:
@@ -439,39 +442,39 @@ def make_env(
             refuse("diagram", str(script), f"{script.name} builds no Simulation named sim")
         return sim, _named(sim, vars(module))
 
-    return DiagramEnv(build, given)
+    return DiagramEnv(build, options)
 
 
 def _named(sim: Simulation, names: Mapping[str, Any]) -> dict[str, Block]:
-    known = {id(block) for block in contents(sim)[0]}
-    return {name: value for name, value in names.items() if id(value) in known}
+    ids = {id(block) for block in contents(sim)[0]}
+    return {name: value for name, value in names.items() if id(value) in ids}
 
 
 def _ports(blocks: Mapping[str, Block], *sides: str) -> dict[str, _Port]:
-    """Ports by ``"BLOCK.PORT"``; of a name that two sides have, that of the last side."""
-    found: dict[str, _Port] = {}
+    """Ports by ``"BLOCK.PORT"``; if both sides have a name, the last side wins."""
+    ports_by_name: dict[str, _Port] = {}
     for name, block in blocks.items():
         for side in sides:
             register = getattr(block, side)
             ports = port_names(register) or {str(i): i for i in range(max(len(register), 1))}
-            found |= {f"{name}.{port}": (block, register, i) for port, i in ports.items()}
-    return found
+            ports_by_name |= {f"{name}.{port}": (block, register, i) for port, i in ports.items()}
+    return ports_by_name
 
 
-def _known(parameter: str, name: Any, known: Mapping[str, _T]) -> _T:
-    if name in known:
-        return known[name]
+def _lookup(parameter: str, name: Any, entries: Mapping[str, _T]) -> _T:
+    if name in entries:
+        return entries[name]
     block = str(name).partition(".")[0]
-    own = {x.partition(".")[2]: x for x in known if x.startswith(f"{block}.")}
+    own = {x.partition(".")[2]: x for x in entries if x.startswith(f"{block}.")}
     close = [own[x] for x in nearest_ports(str(name).partition(".")[2], own)]
-    why = did_you_mean(close or nearest(name, known)) or f"; there is {', '.join(known)}"
-    if not known:
-        why = ": no variable of the script, or where make_env is called, is a block of it"
+    why = did_you_mean(close or nearest(name, entries)) or f"; available: {', '.join(entries)}"
+    if not entries:
+        why = ": no variable of the script, or of the caller of make_env, is one of its blocks"
     refuse(parameter, name, f"no {name!r} in the diagram{why}")
 
 
 def _ends(wire: Connection) -> list[tuple[Any, tuple[Block, int]]]:
-    """Ports of a wire's source, each with the block and the input to which it leads."""
+    """Source ports of a connection, each with the target's block and input."""
     return [
         (source, (target.block, port_number(target.block.inputs, port)))
         for target in wire.targets
@@ -485,7 +488,7 @@ def _range(name: str, bounds: Any) -> tuple[float, float]:
     return check_range(*bounds)
 
 
-# the elevator is to follow the pitch angle that `PitchHold` commands
+# the elevator has to track the pitch angle that `PitchHold` commands
 _pitch_hold = functools.partial(
     make_env,
     "pitch_hold",

@@ -1,7 +1,7 @@
 """Figures of flights: time histories from scopes, ground tracks, phase portraits.
 
-Every function returns a matplotlib Figure and shows nothing; `show` opens a window where there is
-a display, draws into the notebook in Jupyter and writes a file where there is neither.
+Every function returns a matplotlib Figure without showing it; `show` opens a window if there is a
+display, draws into the notebook in Jupyter, and otherwise writes a file.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _save_to: list[Iterator[Path]] = []
 
 _DASHES = ("-", "--", "-.", ":")
 
-# unit: what it measures, where labels have no word in common
+# quantity by unit, for signals whose labels have no word in common
 _QUANTITIES = {
     "deg": "angle",
     "deg/s": "angular rate",
@@ -58,7 +58,7 @@ _QUANTITIES = {
 
 
 class _Exact(Figure):
-    """A figure that draws its curves exactly, and breaks a headline that is wider than it.
+    """A figure that draws its curves exactly, and wraps a headline that is too wide.
 
     PathSim sets matplotlib's ``path.simplify_threshold`` to 1 when it is imported, which moves the
     corners of a curve by pixels.
@@ -70,15 +70,15 @@ class _Exact(Figure):
     def draw(self, renderer: Any) -> None:
         with matplotlib.rc_context({"path.simplify_threshold": 1 / 9}):  # matplotlib's own
             for line in self.findobj(Line2D):
-                line.recache(always=True)  # paths have the threshold of when they were made
+                line.recache(always=True)  # a cached path keeps the threshold of its creation
             super().draw(renderer)
 
 
 def subplots(*args: Any, title: str = "", **options: Any) -> tuple[Figure, Any]:
     """``plt.subplots`` with the labels of the y axes aligned, and each figure drawn only once.
 
-    In a notebook a cell draws each figure that pyplot holds, and once more a figure that is its
-    last line; so here pyplot does not hold it.
+    A notebook cell draws each figure that pyplot holds, and again a figure in its last line, so
+    in a notebook the figure is removed from pyplot.
 
     Parameters
     ----------
@@ -124,22 +124,22 @@ def time_histories(
     ----------
     *scopes : pathsim.blocks.Scope
         with recorded data and labels of the form ``"pitch angle [deg]"``; consecutive signals of
-        one scope with the same unit share a panel. Headings are unwound: a turn through north
-        goes on above 360 deg or below 0
+        one scope with the same unit share a panel. Headings are unwrapped: a turn through north
+        continues above 360 deg or below 0
     title : str
         headline of the figure
     references : dict, optional
-        from the label of a signal, with or without its unit, to what it should be, in the same
-        unit: a number, or a function of the times (array) in s. Drawn dotted, in its panel
+        reference values by the label of a signal, with or without its unit, in the same unit: a
+        number, or a function of the times (array) in s. Drawn dotted, in the signal's panel
 
     Raises
     ------
     ParameterError
-        for no scope, one that has recorded nothing, a reference of a signal that no scope has,
-        naming the nearest, and one that is not a number for each time
+        for no scope, a scope without recording, a reference for a signal that no scope has, naming
+        the nearest, and a reference that is not a number for each time
     """
     if not scopes:
-        refuse("scopes", scopes, "there is no scope to draw")
+        refuse("scopes", scopes, "time_histories needs at least one scope")
     references = mapping("references", references)
     panels: list[tuple[str, list]] = []
     for scope in scopes:
@@ -150,7 +150,7 @@ def time_histories(
                 panels.append((unit, []))
             panels[-1][1].append((time, _unwound(y) if unit == "deg" else y, label))
     names = [label for _, signals in panels for _, _, label in signals]
-    wanted = {names[_index(names, label)]: y for label, y in references.items()}
+    expected = {names[_index(names, label)]: y for label, y in references.items()}
     size, n = (8, 1.2 + 1.7 * len(panels)), len(panels)
     figure, axes = subplots(
         n, 1, sharex=True, squeeze=False, layout="constrained", figsize=size, title=title
@@ -161,10 +161,10 @@ def time_histories(
             ax.plot(time, y, dashes, label=label, linewidth=1.3)
         readable(ax, np.concatenate([y for _, y, _ in signals]))
         for time, _, label in signals:
-            if label in wanted:
-                asked = _asked(label, time, wanted.pop(label))
+            if label in expected:
+                values = _reference(label, time, expected.pop(label))
                 name = "reference" if len(signals) == 1 else f"{label}: reference"
-                ax.plot(time, asked, "k:", label=name, linewidth=1.1)
+                ax.plot(time, values, "k:", label=name, linewidth=1.1)
         quantity = textwrap.fill(_quantity([label for *_, label in signals], unit), 20)
         ax.set_ylabel("\n".join(filter(None, (quantity, unit and f"[{unit}]"))))
         curves = ax.lines[1 if len(signals) == 1 else 0 :]  # the label of the axis names the first
@@ -176,13 +176,13 @@ def time_histories(
 
 
 def _quantity(labels: list[str], unit: str) -> str:
-    """The words that all labels have before a comma, or else what the unit measures."""
+    """The words that all labels have before a comma, or else the unit's quantity."""
     words = [label.partition(",")[0].split() for label in labels]
     common = [word for word in words[0] if all(word in others for others in words)]
     return " ".join(common) or _QUANTITIES.get(unit, "")
 
 
-def _asked(label: str, time: np.ndarray, reference: Any) -> np.ndarray:
+def _reference(label: str, time: np.ndarray, reference: Any) -> np.ndarray:
     """A reference at the times of a signal."""
     values = reference(time) if callable(reference) else reference
     try:
@@ -214,7 +214,7 @@ def settling(
     unit: str,
     after: float | None = None,
 ) -> str:
-    """When a recorded signal comes within a tolerance of a value for good, in words.
+    """Text with the time from which a recorded signal stays within a tolerance of a value.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def settling(
     unit : str
         the signal's unit
     after : float, optional
-        s; count the time from there on, such as from a step
+        s; time from which to count, such as that of a step
 
     Returns
     -------
@@ -259,8 +259,10 @@ def aircraft_points(
     figure, (side, top) = subplots(
         2, 1, layout="constrained", figsize=(8, 9), height_ratios=(1, 2), title=title
     )
-    for (kind, found), marker in zip(points.items(), itertools.cycle("oXs^vDP*p"), strict=False):
-        x, y, z = np.transpose(found)
+    for (kind, coordinates), marker in zip(
+        points.items(), itertools.cycle("oXs^vDP*p"), strict=False
+    ):
+        x, y, z = np.transpose(coordinates)
         side.plot(x, z, marker, label=kind, markersize=8, alpha=0.8)
         top.plot(x, y, marker, markersize=8, alpha=0.8)
     side.set(ylabel="z, up [in]", title="from the left side")
@@ -294,12 +296,12 @@ def ground_track(
     points = np.column_stack([longitude, latitude])
     pieces = list(np.stack([points[:-1], points[1:]], axis=1))
     track = LineCollection(pieces, array=time[:-1], linewidths=2.5)
-    # a straight track must not become a sliver: keep the picture at least a third as high as wide
+    # a straight track must not become a sliver: its shorter side is at least a third of the longer
     shrink = math.cos(math.radians(latitude[0]))  # of a degree of longitude
     size = max(np.ptp(longitude) * shrink, np.ptp(latitude), 1e-8)
     sides = ((longitude, shrink), (latitude, 1.0))
     half = [0.55 * max(np.ptp(values), size / 3 / scale) for values, scale in sides]
-    # as high as the track asks for, and room for labels and colour bar
+    # in the proportion of the track, plus room for labels and colour bar
     height = 5.3 * min(half[1] / (half[0] * shrink), 1.0)
     figure, ax = subplots(figsize=(6.5, height + 1.8), layout="constrained")
     limits = ax.set_xlim, ax.set_ylim
@@ -339,7 +341,7 @@ def phase_portrait(x: ArrayLike, y: ArrayLike, labels: tuple[str, str], title: s
 
 
 def show(figure: Figure, name: str) -> None:
-    """Show a figure in a window or in a notebook; where there is neither, write ``name.png`` here.
+    """Show a figure in a window or in a notebook; otherwise write ``name.png`` here.
 
     Parameters
     ----------
@@ -387,8 +389,8 @@ def saving_to(path: str | Path) -> Iterator[None]:
 
     path = writable("save", path)
     path = path if path.suffix else path.with_suffix(".png")
-    known = FigureCanvasBase.get_supported_filetypes()
-    one_of("the ending of save", path.suffix[1:].lower(), known)
+    formats = FigureCanvasBase.get_supported_filetypes()
+    one_of("the ending of save", path.suffix[1:].lower(), formats)
     more = (path.with_stem(f"{path.stem}_{n}") for n in itertools.count(2))
     targets = itertools.chain([path], more)
     _save_to.append(targets)
@@ -407,11 +409,11 @@ def _label(scope: Scope, i: int) -> tuple[str, str]:
 
 def _index(names: list[str], label: str) -> int:
     """Number of a scope's signal, by its label with or without the unit."""
-    wanted = label if label in names else re.sub(r"\s*\[.*\]$", "", label)
-    if wanted not in names:
-        known = did_you_mean(nearest(label, names))
-        refuse("label", label, f"the scope has no signal {label!r}" + known)
-    return names.index(wanted)
+    name = label if label in names else re.sub(r"\s*\[.*\]$", "", label)
+    if name not in names:
+        hint = did_you_mean(nearest(label, names))
+        refuse("label", label, f"the scope has no signal {label!r}" + hint)
+    return names.index(name)
 
 
 def axis_label(name: str, unit: str) -> str:
@@ -420,7 +422,7 @@ def axis_label(name: str, unit: str) -> str:
 
 
 def _unwound(y: np.ndarray) -> np.ndarray:
-    """An angle in deg that goes on where it wraps around."""
+    """An angle in deg without jumps at 360 deg."""
     y = np.array(y, dtype=float)
     finite = np.isfinite(y)
     y[finite] = np.unwrap(y[finite], period=360.0)

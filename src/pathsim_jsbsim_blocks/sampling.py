@@ -1,7 +1,6 @@
-"""Bases of sampled blocks of one's own.
+"""Base classes for sampled blocks of your own.
 
-A block that acts at t_k = k T only, once at each, whatever solver, step and order of blocks a
-diagram has, is a subclass of one of these.
+Their subclasses act exactly once at each t_k = k T, for any solver, step and order of blocks.
 """
 
 from ._core.sampling import SampledLaw, SampledPlant

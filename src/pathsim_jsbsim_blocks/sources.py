@@ -44,7 +44,7 @@ class _EdgeSource(Parametric):
         for time, after in pairwise(self._times):
             if not time < after < math.inf:
                 edges = f"the edges of {type(self).__name__} at {time:.9g} s and {after:.9g} s"
-                refuse("start", self._times, f"{edges} cannot be told apart")
+                refuse("start", self._times, f"{edges} are too close to be distinguished")
         if not self.passed:
             self.edges.times_evt = self._times
 

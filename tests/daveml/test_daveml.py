@@ -270,11 +270,11 @@ def test_scattered_points_are_linear_on_triangles_and_held_beyond_them(tmp_path)
 
 CN, OUT = "<cn>0.01</cn>", "<isOutput/>"
 MALFORMED = [
-    (WING[:700], r"model.dml:14: no XML: "),
+    (WING[:700], r"model.dml:14: not XML: "),
     (WING.replace("DAVEfunc xmlns", "fdm_config xmlns").replace("</DAVEfunc", "</fdm_config"), "the root is 'fdm_config'"),
     (WING.replace("<breakpointDef", "<breakpoints").replace("</breakpointDef", "</breakpoints"), r":16: DAVEfunc has no element 'breakpoints'; did you mean 'breakpointDef'"),
-    (WING.replace('<ci>el</ci>', '<ci>elev</ci>'), r":5: variable 'CL': reads 'elev', which is not there; did you mean .*'el'"),
-    (WING.replace('<ci>el</ci>', '<ci>CL</ci>'), r"needs itself: CL -> CL"),
+    (WING.replace('<ci>el</ci>', '<ci>elev</ci>'), r":5: variable 'CL': reads 'elev', which is undefined; did you mean .*'el'"),
+    (WING.replace('<ci>el</ci>', '<ci>CL</ci>'), r"depends on itself: CL -> CL"),
     (WING.replace("<times/>", "<tims/>"), r":7: unknown operator 'tims'; did you mean 'times'"),
     (WING.replace(CN, "<cn>1_0</cn>"), r":7: cn: '1_0' is not a number"),
     (WING.replace(CN, "<cn>nan</cn>"), "'nan' is not a number"),
@@ -294,7 +294,7 @@ MALFORMED = [
     (WING.replace('SYSTEM "http://127.0.0.1:9/DAVEfunc.dtd"', '[<!ENTITY a "1">]'), r":2: entities are refused"),
     (WING.replace('SYSTEM "http://127.0.0.1:9/DAVEfunc.dtd"', '[<!ENTITY a SYSTEM "file:///etc/passwd">]'), "entities are refused"),
     (WING.replace("1e0", "&peak;"), ":21: the entity 'peak' is not known"),
-    (WING.replace('encoding', '').replace('version="1.0"', 'version="1.0" encoding="utf-42"'), "no XML: unknown encoding"),
+    (WING.replace('encoding', '').replace('version="1.0"', 'version="1.0" encoding="utf-42"'), "not XML: unknown encoding"),
     ("<a>" * 70 + "</a>" * 70, "nested deeper than 64"),
 ]  # fmt: skip
 

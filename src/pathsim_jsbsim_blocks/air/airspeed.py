@@ -76,15 +76,15 @@ def _rayleigh_inverse(ratio: Any) -> Any:
 
 
 def _at_other_pressure(mach: Any, ratio: Any) -> Any:
-    """The Mach number with the impact pressure of ``mach`` where p is less by ``ratio``."""
-    there = _mach_number(_impact_ratio(mach) * ratio)
-    return (math if isinstance(there, float) else np).copysign(there, mach)
+    """The Mach number with the impact pressure of ``mach`` at p divided by ``ratio``."""
+    other = _mach_number(_impact_ratio(mach) * ratio)
+    return (math if isinstance(other, float) else np).copysign(other, mach)
 
 
 def _speed(parameter: str, value: Any, air: Air) -> Any:
-    """``value`` as a finite float, or as a float array that fits the air's shape."""
+    """``value`` as a finite float, or as a float array that broadcasts with the air."""
     if not isinstance(air, Air):
-        must_be("air", air, "that of isa(altitude) or Air(pressure, temperature)")
+        must_be("air", air, "an Air: isa(altitude) or Air(pressure, temperature)")
     if type(value) is float and math.isfinite(value):
         return value
     return finite(**{parameter: value, **air._asdict()})[0]

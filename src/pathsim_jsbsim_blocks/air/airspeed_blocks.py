@@ -15,7 +15,7 @@ from . import airspeed
 from . import pathsim_flight_types as flight
 from .atmosphere_blocks import AirDataBlock
 
-# quantities by the names of their ports
+# quantities by port
 _PORTS = {
     "cas": "calibrated airspeed, m/s",
     "eas": "equivalent airspeed, m/s",
@@ -76,7 +76,7 @@ class _Conversion(AirDataBlock):
     _convert: ClassVar[Callable[..., float]]
 
     def __init_subclass__(cls, **keywords: Any) -> None:
-        if _Conversion in cls.__bases__:  # a user's subclass of one of them has any name
+        if _Conversion in cls.__bases__:  # a user's subclass may have any name
             cls._complete()
         super().__init_subclass__(**keywords)
 

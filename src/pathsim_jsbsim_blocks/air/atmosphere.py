@@ -34,7 +34,7 @@ SUTHERLAND_S = 110.4  # K
 
 _MOST = float_info.max
 
-# K/m: so small that it changes no temperature, and log1p is linear
+# K/m: too small to change a temperature, so that isothermal layers need no formula of their own
 ISOTHERMAL = 1e-20
 
 AltitudeKind = Literal["geometric", "geopotential"]
@@ -47,7 +47,7 @@ class Layer(NamedTuple):
     base: float  # m, geopotential
     temperature: float  # K at the base
     pressure: float  # Pa at the base
-    lapse_rate: float  # K/m, positive where it gets warmer upwards
+    lapse_rate: float  # K/m, positive if the temperature increases upwards
     exponent: float  # of the pressure: -G0 / (R lapse_rate)
 
 
@@ -116,7 +116,7 @@ def _refuse_deviation(temp_deviation: Any, temperature: float) -> None:
 
 
 def lowest(x: Any) -> float:
-    """The lowest of numbers; of none, the largest float."""
+    """The minimum of numbers; for an empty array the maximum float."""
     return float(x.min(initial=_MOST)) if isinstance(x, np.ndarray) else x
 
 

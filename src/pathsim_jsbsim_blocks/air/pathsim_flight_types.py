@@ -1,4 +1,4 @@
-"""pathsim-flight's classes as type checkers see them: below an untyped base any keyword passes."""
+"""pathsim-flight's classes, typed: with an untyped base, checkers would accept any keyword."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ Angles are in degrees:
 - ``phi``, ``theta``, ``psi``: roll (right wing down), pitch (nose up), true heading (from north,
   clockwise)
 
-A vector is given as its three components, and returned as a tuple of three: numbers or arrays. All
+A vector is passed as three components and returned as a tuple of three, numbers or arrays. All
 arguments of a call broadcast to one shape, which the results have; numbers give floats. A rotation
 keeps the unit; NaN and infinite angles give NaN. Each function and its inverse cancel to rounding.
 A ParameterError is raised for values that are not real numbers, and shapes that do not broadcast.

@@ -29,7 +29,7 @@ class WindToBody(NamedFunction):
 
         z = -D \\sin\\alpha \\cos\\beta - Y \\sin\\alpha \\sin\\beta - L \\cos\\alpha
 
-    The exact inverse of `BodyToWind`. With beta not connected it starts from the stability axes.
+    The exact inverse of `BodyToWind`. If beta is not connected, it starts from the stability axes.
 
     Inputs
     ------
@@ -62,7 +62,7 @@ class BodyToWind(NamedFunction):
 
         L = x \\sin\\alpha - z \\cos\\alpha
 
-    The exact inverse of `WindToBody`. With beta not connected it ends in the stability axes.
+    The exact inverse of `WindToBody`. If beta is not connected, it ends in the stability axes.
 
     Inputs
     ------

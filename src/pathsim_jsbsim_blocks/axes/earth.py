@@ -43,7 +43,7 @@ SEMI_MINOR_AXIS = 20855486.5951  # ft, JSBSim 1.3.3
 def _ellipsoid() -> Any:
     from pymap3d import Ellipsoid
 
-    # pymap3d works in the unit of the ellipsoid that it is given.
+    # pymap3d works in the unit of the ellipsoid
     return Ellipsoid(SEMI_MAJOR_AXIS, SEMI_MINOR_AXIS, name="WGS84 of JSBSim, ft")
 
 
@@ -88,8 +88,8 @@ def ecef_to_ned(
 ) -> Components:
     """Position of a point in Earth-centred coordinates, north, east, down of a reference (ft).
 
-    The ground falls away from the tangent plane by 1 ft at a distance of 6500 ft, and with the
-    distance's square.
+    The ground is 1 ft below the tangent plane at a distance of 6500 ft; this grows with the square
+    of the distance.
     """
     from pymap3d import ecef2ned
 

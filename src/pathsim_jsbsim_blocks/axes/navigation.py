@@ -2,15 +2,15 @@
 
 Angles are in degrees, north and east positive, courses clockwise from true north; lengths are in
 feet along the surface of JSBSim's ellipsoid, at height 0. A great circle is the plane section
-through both points and the centre of the Earth. On the ellipsoid this is not quite the geodesic: it
-runs less than 1 ft beside it between points 20 nmi apart, and less than 300 ft at 500 nmi.
+through both points and the centre of the Earth. On the ellipsoid this is not quite the geodesic:
+they differ by less than 1 ft between points 20 nmi apart, and by less than 300 ft at 500 nmi.
 
-Everything is a plain number here, not an array: a controller asks for it at every sample.
+All values are plain numbers, not arrays, because controllers compute them at every sample.
 
 References
 ----------
-Gade: A Non-singular Horizontal Position Representation, J. Navigation 63 (2010), whose vectors are
-used, here from the centre of the Earth.
+Gade: A Non-singular Horizontal Position Representation, J. Navigation 63 (2010); its vectors are
+used here from the centre of the Earth.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .earth import SEMI_MAJOR_AXIS, SEMI_MINOR_AXIS
 Vector = tuple[float, float, float]
 
 _A2, _B2 = SEMI_MAJOR_AXIS**2, SEMI_MINOR_AXIS**2
-# ft: below this two points have no course between them, and opposite ones no single circle
+# ft; two points closer than this, or opposite to within it, define no circle
 _NEAR = 0.1
 
 
@@ -37,9 +37,9 @@ class Place(NamedTuple):
 
 
 class CrossTrack(NamedTuple):
-    """Where a point is, seen from a great circle.
+    """Position of a point relative to a great circle.
 
-    ``across`` is the distance from the circle in ft, positive to the right of it, ``to_go`` that
+    ``across`` is the distance from the circle in ft, positive to the right, ``to_go`` the distance
     along it to its end in ft, negative beyond, ``course`` that of the circle abeam the point, deg
     in [0, 360).
     """
@@ -50,10 +50,10 @@ class CrossTrack(NamedTuple):
 
 
 class GreatCircle(NamedTuple):
-    """The great circle from one point through another; `great_circle` makes it.
+    """The great circle from one point through another, built by `great_circle`.
 
     ``left``, ``end`` and ``forward`` are unit vectors in ECEF axes: normal to the circle, to its
-    end, along it there. ``length`` is the distance between the points in ft.
+    end, and along it at the end. ``length`` is the distance between the points in ft.
     """
 
     left: Vector
@@ -62,26 +62,26 @@ class GreatCircle(NamedTuple):
     length: float
 
     def track(self, point: tuple[float, float]) -> CrossTrack:
-        """Where a point is, given as its latitude and longitude in deg; lengths within 0.03 %.
+        """Position of a point with latitude and longitude in deg; lengths within 0.03 %.
 
         Raises
         ------
         ParameterError
-            for what is not two numbers, and a latitude beyond 90 deg
+            for values that are not two numbers, and a latitude beyond 90 deg
         """
         return self.track_at(place(*latitude_longitude("point", point)))
 
-    def track_at(self, here: Place) -> CrossTrack:
-        """The same for a place."""
-        p = here.position
+    def track_at(self, at: Place) -> CrossTrack:
+        """As `track`, for a place."""
+        p = at.position
         radius = math.sqrt(_dot(p, p))
         across = -radius * math.asin(_dot(p, self.left) / radius)
         to_go = radius * math.atan2(-_dot(p, self.forward), _dot(p, self.end))
-        return CrossTrack(across, to_go, _course(_cross(self.left, p), here))
+        return CrossTrack(across, to_go, _course(_cross(self.left, p), at))
 
 
 class Arc(NamedTuple):
-    """An arc of a circle about a point; its track is one of `GreatCircle`."""
+    """An arc of a circle about a point, with the interface of `GreatCircle`."""
 
     centre: Place
     radius: float  # ft, some tens of nautical miles at most
@@ -89,28 +89,28 @@ class Arc(NamedTuple):
     extent: float  # angle of the arc, deg in (0, 360)
     side: float  # 1 turns right, -1 left
 
-    def track_at(self, here: Place) -> CrossTrack:
+    def track_at(self, at: Place) -> CrossTrack:
         """Distance from the arc, distance along it to the end, and course."""
-        bearing = bearing_from(self.centre, here)
+        bearing = bearing_from(self.centre, at)
         angle = self.side * (self.end - bearing) % 360.0
-        # the gap of the circle belongs half to the end and half to the start
+        # of the rest of the circle, half counts as beyond the end and half as before the start
         if angle > 180.0 + self.extent / 2:
             angle -= 360.0
-        across = self.side * (self.radius - distance(self.centre, here))
+        across = self.side * (self.radius - distance(self.centre, at))
         course = (bearing + self.side * 90.0) % 360.0
         return CrossTrack(across, self.radius * math.radians(angle), course)
 
 
 def arc_about(centre: Place, first: Place, last: Place, side: float) -> Arc:
-    """The arc from one place to another about a third, at its distance from the last."""
+    """The arc about ``centre`` from ``first`` to ``last``, with the radius of ``last``."""
     end = bearing_from(centre, last)
     extent = side * (end - bearing_from(centre, first)) % 360.0
     return Arc(centre, distance(centre, last), end, extent, side)
 
 
-def bearing_from(centre: Place, there: Place) -> float:
-    """Bearing in deg from one place to another that is near it."""
-    d = tuple(b - a for a, b in zip(centre.position, there.position, strict=True))
+def bearing_from(centre: Place, to: Place) -> float:
+    """Bearing in deg from one place to a nearby one."""
+    d = tuple(b - a for a, b in zip(centre.position, to.position, strict=True))
     return _course(d, centre)
 
 
@@ -137,8 +137,8 @@ def great_circle(start: Any, end: Any) -> GreatCircle:
     Raises
     ------
     ParameterError
-        for what is not two numbers, a latitude beyond 90 deg, and points that coincide or lie
-        opposite each other
+        for values that are not two numbers, a latitude beyond 90 deg, and points that coincide or
+        lie opposite each other
 
     Examples
     --------
@@ -157,14 +157,14 @@ def great_circle(start: Any, end: Any) -> GreatCircle:
 
 
 def circle_through(first: Place, last: Place) -> GreatCircle | None:
-    """The same between two places; None if they coincide or lie opposite each other."""
+    """The great circle between two places; None if they coincide or lie opposite each other."""
     left = _cross(first.position, last.position)
     area = math.sqrt(_dot(left, left))
     if area < _NEAR * SEMI_MINOR_AXIS:
         return None
     left = _scaled(left, 1.0 / area)
-    there = _scaled(last.position, 1.0 / math.sqrt(_dot(last.position, last.position)))
-    return GreatCircle(left, there, _cross(left, there), distance(first, last))
+    end = _scaled(last.position, 1.0 / math.sqrt(_dot(last.position, last.position)))
+    return GreatCircle(left, end, _cross(left, end), distance(first, last))
 
 
 def line_to(end: Place, course: float) -> GreatCircle:
@@ -172,22 +172,22 @@ def line_to(end: Place, course: float) -> GreatCircle:
     chi = math.radians(course)
     north, east = _scaled(end.north, math.cos(chi)), _scaled(end.east, math.sin(chi))
     ahead = (north[0] + east[0], north[1] + east[1], north[2] + east[2])
-    there = _scaled(end.position, 1.0 / math.hypot(*end.position))
-    left = _cross(there, ahead)
+    up = _scaled(end.position, 1.0 / math.hypot(*end.position))
+    left = _cross(up, ahead)
     left = _scaled(left, 1.0 / math.hypot(*left))
-    return GreatCircle(left, there, _cross(left, there), 0.0)
+    return GreatCircle(left, up, _cross(left, up), 0.0)
 
 
 def distance(a: Place, b: Place) -> float:
     """Distance over the surface in ft, within 0.01 % of the geodesic's up to 1000 nmi."""
     chord = math.dist(a.position, b.position)
-    # of the circle through both whose radius is their mean distance from the Earth's centre
+    # of the circle whose radius is the mean distance of both from the Earth's centre
     diameter = math.hypot(*a.position) + math.hypot(*b.position)
     return diameter * math.asin(min(chord / diameter, 1.0))
 
 
 def motion(before: Place, now: Place) -> tuple[float, float]:
-    """North and east distance in ft between two places that are near each other."""
+    """North and east distance in ft between two nearby places."""
     d = tuple(b - a for a, b in zip(before.position, now.position, strict=True))
     return _dot(d, now.north), _dot(d, now.east)
 
@@ -203,8 +203,8 @@ def latitude_longitude(parameter: str, value: Any) -> tuple[float, float]:
     )
 
 
-def _course(direction: tuple[float, ...], here: Place) -> float:
-    return math.degrees(math.atan2(_dot(direction, here.east), _dot(direction, here.north))) % 360.0
+def _course(direction: tuple[float, ...], at: Place) -> float:
+    return math.degrees(math.atan2(_dot(direction, at.east), _dot(direction, at.north))) % 360.0
 
 
 def _dot(a: Any, b: Any) -> float:

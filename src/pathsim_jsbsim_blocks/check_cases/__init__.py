@@ -1,4 +1,4 @@
-"""NASA's atmospheric check cases 1 to 16: vehicles, references, and how close a flight comes."""
+"""NASA's atmospheric check cases 1 to 16: vehicles, reference data and comparison."""
 
 from pathlib import Path
 

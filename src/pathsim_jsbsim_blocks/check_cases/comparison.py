@@ -49,11 +49,11 @@ class _Quantity:
     column: str  # in the reference tables
     unit: str  # of the reference
     per_signal: float  # factor from the signal to that unit
-    limit: float | None  # from simulator 05, where that gives the quantity
+    limit: float | None  # of the distance from simulator 05; None if that lacks the quantity
     banded: bool = True  # whether it must lie in NASA's band
 
 
-# by the names that the diagrams' scopes give them
+# by their names in the diagrams' scopes
 _QUANTITIES = {
     "altitude": _Quantity("altitude_ft", "ft", 1.0, 0.05),
     "latitude": _Quantity("latitude_deg", "deg", 1.0, 2e-7),
@@ -70,7 +70,7 @@ _QUANTITIES = {
     "velocity down": _Quantity("v_down_fps", "ft/s", 1.0, None),
 }
 
-# the F-16's limits from simulator 05: altitude in ft, attitude in deg
+# F-16 limits of the distance from simulator 05: altitude in ft, attitude in deg
 _F16 = {
     11: (0.01, 0.002),
     12: (0.01, 0.002),
@@ -81,7 +81,7 @@ _F16 = {
     15: (0.05, 0.05),
     16: (0.05, 0.05),
 }
-_F16_PLACE = 2e-5  # deg; of longitude on the parallel
+_F16_PLACE = 2e-5  # deg of latitude, and of longitude along the parallel
 _F16_AIRSPEED = 0.05  # kt
 
 # the medians have 12 digits, the spreads four
@@ -90,26 +90,26 @@ _ROUNDING, _ROUNDING_OF_SPREADS = 1e-11, 5e-4
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far a quantity of a flight is from NASA's simulators, at worst over the run.
+    """Maximum distance of a quantity of a flight from NASA's simulators.
 
     Attributes
     ----------
     quantity, unit : str
-        what is compared, and the unit of all numbers
+        the quantity, and the unit of all numbers
     worst : float
-        largest distance from the median of the simulators, up to ``until``
+        maximum distance from the median of the simulators, up to ``until``
     band : float
-        largest distance of the simulators from their median: of all in the F-16's cases, which
-        three flew, and without the worst in the others
+        maximum distance of the simulators from their median: all three in the F-16's cases, all
+        but the worst in the others
     from_05 : float or None
-        largest distance from simulator 05, if that gives the quantity
+        maximum distance from simulator 05, None if that lacks the quantity
     limit_05 : float or None
         limit of ``from_05``
     passes : bool
-        whether the flight is within the band and the limit; the airspeed of the F-16 need not be
-        in the band, because two simulators give one, and differ
+        whether the flight is within the band and the limit; the F-16's airspeed need not be in
+        the band, because only two simulators give it, and they differ
     until : float
-        last time that is compared, s
+        end of the comparison, s
     """
 
     quantity: str
@@ -130,8 +130,8 @@ def fly_case(case: float, rate: int | None = None, integrators: Any = "precise")
     case : float
         1 to 12, 13.1 to 13.4, 15 or 16
     rate : int, optional
-        steps per second, an even number; default is 100, and 200, which is the least there, for
-        the F-16 of cases 11 to 16
+        steps per second, an even number; default is 100, and for the F-16 of cases 11 to 16 200,
+        the minimum there
     integrators : str or dict
         as in `JSBSimFDM`
 
@@ -143,15 +143,15 @@ def fly_case(case: float, rate: int | None = None, integrators: Any = "precise")
     Raises
     ------
     ParameterError
-        for a case that does not exist, a rate without a sample at each 0.5 s, and one that is too
+        for a case that does not exist, a rate without a sample every 0.5 s, and a rate that is too
         low for the F-16's control laws
     """
     from pathsim.blocks import Scope
 
-    least = 200 if _known(case) in _F16 else 10
+    least = 200 if _valid_case(case) in _F16 else 10
     rate = max(least, 100) if rate is None else rate
     if whole("rate", rate, low=least) % 2:
-        must_be("rate", rate, "even, for the reference has a point each 0.5 s")
+        must_be("rate", rate, "even, because the reference has a point every 0.5 s")
     T = 1 / rate
     name = f"check_case_{_file_name(case)}"
     diagram = load_diagram(name, {"vehicle.T": T, "vehicle.integrators": integrators, "sim.dt": T})
@@ -167,25 +167,25 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
     case : float
         as in `fly_case`
     *scopes : pathsim.blocks.Scope
-        with the diagram's signals; a flight that ended early is compared as far as it went, with
-        the band and limits of the whole
+        with the diagram's signals; a flight that ended early is compared up to its end, with the
+        band and limits of the complete run
 
     Returns
     -------
     list of Deviation
-        one for each ``quantity``, with its ``unit``: ``worst``, the largest distance from the
+        one for each ``quantity``, with its ``unit``: ``worst``, the maximum distance from the
         median of the simulators, and their ``band``; ``from_05`` and ``limit_05``, the distance
-        from simulator 05 and its limit, or None; ``passes``; ``until``, the last time compared
+        from simulator 05 and its limit, or None; ``passes``; ``until``, the end of the comparison
 
     Raises
     ------
     ParameterError
         for a case that does not exist, a signal that is missing, or times that are not recorded
     """
-    reference, single = _reference(_known(case)), _simulator_05(case)
+    reference, single = _reference(_valid_case(case)), _simulator_05(case)
     flown, flown_single = _flown(reference, scopes), _flown(single, scopes)
     until = float(flown["time_s"][-1])
-    found = []
+    deviations = []
     for name, quantity in _quantities(case).items():
         median = reference[quantity.column]
         worst = abs(_distance(case, name, scopes, flown)).max()
@@ -197,12 +197,12 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
             from_05 = float(abs(_distance(case, name, scopes, flown_single)).max())
             passes = passes and from_05 <= quantity.limit
         numbers = float(worst), float(band), from_05, quantity.limit
-        found.append(Deviation(name, quantity.unit, *numbers, bool(passes), until))
-    return found
+        deviations.append(Deviation(name, quantity.unit, *numbers, bool(passes), until))
+    return deviations
 
 
 def _quantities(case: float) -> dict[str, _Quantity]:
-    """What is compared: in the F-16's cases no rates and velocities, with other limits."""
+    """The compared quantities: for the F-16 without rates and velocities, with its own limits."""
     if case not in _F16:
         return _QUANTITIES
     altitude, attitude = _F16[case]
@@ -225,7 +225,7 @@ def _band(case: float, quantity: _Quantity, reference: np.ndarray) -> np.ndarray
 
 
 def _scale(case: float, quantity: _Quantity, table: np.ndarray) -> Any:
-    """What makes a difference of longitude one along the parallel: at the pole meridians meet."""
+    """Factor from a longitude difference to degrees along the parallel: cos(latitude)."""
     if case not in _F16 or quantity.column != "longitude_deg":
         return 1.0
     return np.cos(np.radians(table["latitude_deg"]))
@@ -264,27 +264,27 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     """
     from ..plots import subplots
 
-    reference, single = _reference(_known(case)), _simulator_05(case)
+    reference, single = _reference(_valid_case(case)), _simulator_05(case)
     flown = _flown(reference, scopes)
     time = reference["time_s"]
-    shown = {}
+    panels = {}
     for name, quantity in _quantities(case).items():
         rounding = _ROUNDING * max(1, abs(reference[quantity.column]).max())
         if _band(case, quantity, reference).max() > rounding:
-            shown[name] = quantity
+            panels[name] = quantity
     of_band = "NASA's " + ("three simulators" if case in _F16 else "simulators but the worst")
-    rows = math.ceil(len(shown) / 2)
+    rows = math.ceil(len(panels) / 2)
     figure, axes = subplots(
         rows, 2, sharex=True, squeeze=False, layout="constrained", figsize=(8, 1 + 1.7 * rows)
     )
-    for ax, (name, quantity) in zip(axes.flat, shown.items(), strict=False):
+    for ax, (name, quantity) in zip(axes.flat, panels.items(), strict=False):
         band = _band(case, quantity, reference)
         ax.fill_between(time, -band, band, color="tab:gray", alpha=0.3, label=of_band)
         ax.plot(flown["time_s"], _distance(case, name, scopes, flown), label="this diagram")
         if quantity.limit is not None:
             at = np.searchsorted(time, single["time_s"])
             apart = single[quantity.column] - reference[quantity.column][at]
-            # on a circle both may jump, not their difference
+            # both angles may wrap around, their difference must not
             apart = _on_circle(quantity, apart) * _scale(case, quantity, single)
             ax.plot(single["time_s"], apart, "k:", label="simulator 05")
         for edge in (-band.max(), band.max()):
@@ -292,7 +292,7 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
         ax.set_ylabel(f"{name}\n[{quantity.unit}]")
         ax.grid(alpha=0.4)
     *_, last, spare = axes.flat
-    if len(shown) % 2:  # the last panel takes the whole row
+    if len(panels) % 2:  # the last panel gets the whole row
         spare.set_visible(False)
         last.set_subplotspec(last.get_gridspec()[-1, :])
         for ax in axes[-2]:
@@ -304,12 +304,12 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     return figure
 
 
-def _known(case: Any) -> float:
-    found = number("case", case)
-    if found not in CASES:
-        known = ", ".join(f"{x:g}" for x in CASES)
-        must_be("case", case, f"one of {known}")
-    return found
+def _valid_case(case: Any) -> float:
+    value = number("case", case)
+    if value not in CASES:
+        cases = ", ".join(f"{x:g}" for x in CASES)
+        must_be("case", case, f"one of {cases}")
+    return value
 
 
 def _file_name(case: float) -> str:
@@ -335,7 +335,7 @@ def _flown(table: np.ndarray, scopes: Sequence[Scope]) -> np.ndarray:
 
 
 def _distance(case: float, name: str, scopes: Sequence[Scope], expected: np.ndarray) -> np.ndarray:
-    """A recorded signal minus what a table expects at its times."""
+    """A recorded signal minus the values of a table, at the table's times."""
     from ..plots import signal
 
     scope = next((s for s in scopes if any(name in label for label in s.labels)), None)
@@ -359,5 +359,5 @@ def _on_circle(quantity: _Quantity, difference: np.ndarray) -> np.ndarray:
 
 
 def _short(value: float | None) -> str:
-    """Two digits; 0 for what is rounding."""
+    """Two digits; rounding errors as 0."""
     return "" if value is None else "0" if value <= 1e-12 else f"{value:.2g}"

@@ -132,8 +132,8 @@ def condition_of(args: argparse.Namespace) -> TrimCondition:
     if args.mach is not None and args.speed is not None:
         refuse("mach", args.mach, "--mach goes instead of --speed")
     names = {field.name for field in dataclasses.fields(TrimCondition)}
-    given = {n: x for n, x in vars(args).items() if n in names and x is not None}
-    return TrimCondition(**given)
+    fields = {n: x for n, x in vars(args).items() if n in names and x is not None}
+    return TrimCondition(**fields)
 
 
 def setup_and_model(args: argparse.Namespace) -> tuple[dict[str, float], dict[str, Any]]:

@@ -30,10 +30,10 @@ from .plain import plain_text
 def course(args: argparse.Namespace) -> None:
     from .._core.extras import required
 
-    kept = _copied(args.folder)
+    unchanged = _copied(args.folder)
     print(f"the course is in {args.folder.resolve()}")
-    if kept:
-        print(f"kept as you left them: {', '.join(kept)}; to get one anew, rename yours first")
+    if unchanged:
+        print(f"kept as you left them: {', '.join(unchanged)}; to get one anew, rename yours first")
     if args.no_open:
         return
     required("jupyterlab", "course")
@@ -66,7 +66,7 @@ _PAGE = re.compile(r"\[([^][\"\n]+)\]\(\.\./([\w/-]+)\.\w+(?:#[\w-]+)?\)")
 
 def _copied(folder: Path) -> list[str]:
     """Copy chapters and figures; the files that were there and differ, which stay."""
-    kept = []
+    unchanged = []
     for source in sorted([*chapters().glob("*.ipynb"), *chapters().glob("figures/*.svg")]):
         name = source.relative_to(chapters())
         content = _PAGE.sub(r"\1 (docs/\2)", source.read_text(encoding="utf-8")).encode()
@@ -76,8 +76,8 @@ def _copied(folder: Path) -> list[str]:
             with replacing(target) as part:
                 part.write_bytes(content)
         elif target.read_bytes() != content:
-            kept.append(str(name))
-    return kept
+            unchanged.append(str(name))
+    return unchanged
 
 
 @command(
@@ -101,17 +101,17 @@ def help_(args: argparse.Namespace) -> None:
             if is_block(block):
                 print(f"{name:<19} {plain_text(inspect.getdoc(block) or '').partition(chr(10))[0]}")
         return
-    found = {**theirs, **ours}.get(args.block)
-    if found is None:
+    subject = {**theirs, **ours}.get(args.block)
+    if subject is None:
         names = did_you_mean(nearest(args.block, [*ours, *theirs], 2))
         refuse("block", args.block, f"no block {args.block!r}{names}")
-    print(plain_text(inspect.getdoc(found) or "").rstrip())
-    if is_block(found):
-        _print_below("In a diagram", *_use(args.block, found))
-    if not (inspect.isclass(found) and issubclass(found, Exception)):
-        parameters = inspect.signature(found).parameters.values()
-        shown = inspect.Signature([p.replace(annotation=p.empty) for p in parameters])
-        _print_below("Signature", f"{args.block}{shown}")
+    print(plain_text(inspect.getdoc(subject) or "").rstrip())
+    if is_block(subject):
+        _print_below("In a diagram", *_use(args.block, subject))
+    if not (inspect.isclass(subject) and issubclass(subject, Exception)):
+        parameters = inspect.signature(subject).parameters.values()
+        signature = inspect.Signature([p.replace(annotation=p.empty) for p in parameters])
+        _print_below("Signature", f"{args.block}{signature}")
 
 
 def _print_below(title: str, *lines: str) -> None:

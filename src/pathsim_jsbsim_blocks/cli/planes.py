@@ -77,8 +77,8 @@ def _draw_points(args: argparse.Namespace) -> None:
     airframe = Airframe(name, root=args.root, create=created(args))
     airframe.run_ic()
     points = aircraft_points(airframe)
-    for kind, found in points.items():
-        for x, y, z in found:
+    for kind, coordinates in points.items():
+        for x, y, z in coordinates:
             print(f"{kind:<28} x {x:9.2f}  y {y:9.2f}  z {z:9.2f} in")
     with saving_figures(path):
         show(draw(points, f"{name}: named points"), "")
@@ -236,27 +236,29 @@ def gains(args: argparse.Namespace) -> int:
             condition = dataclasses.replace(condition, mode="glide")
     setup, model = setup_and_model(args)
     model["create"] = needed
-    given = {"setup": {**condition.setup, **setup}, "gear": args.gear, "flaps": args.flaps}
-    given = {name: value for name, value in given.items() if value is not None}
-    condition = dataclasses.replace(condition, **given)
+    fields = {"setup": {**condition.setup, **setup}, "gear": args.gear, "flaps": args.flaps}
+    fields = {name: value for name, value in fields.items() if value is not None}
+    condition = dataclasses.replace(condition, **fields)
     altitudes, speeds = args.altitude or [condition.altitude], args.speed or [condition.speed]
     # holds that do not know the airspeed or the altitude have the gains there
     middle = {"altitude": altitudes[0], "speed": sorted(speeds)[(len(speeds) - 1) // 2]}
     if args.altitude is not None or args.speed is not None:
         condition = dataclasses.replace(condition, **middle)
 
-    def tell(found: DesignedGains | Exception) -> None:
-        if isinstance(found, Exception):
-            print(f"pathsim-jsbsim: {found}", file=sys.stderr)
+    def tell(result: DesignedGains | Exception) -> None:
+        if isinstance(result, Exception):
+            print(f"pathsim-jsbsim: {result}", file=sys.stderr)
         else:
-            print(f"{found}\n", flush=True)
+            print(f"{result}\n", flush=True)
 
     try:
         model["method"] = args.method
-        found = design_schedule(args.aircraft, condition, altitudes, speeds, progress=tell, **model)
+        schedule = design_schedule(
+            args.aircraft, condition, altitudes, speeds, progress=tell, **model
+        )
     except (DesignError, TrimError):  # at no condition: reported already
         return 1
     if args.save is not None:
-        found.save(args.save)
+        schedule.save(args.save)
         print(f"gains saved: {args.save}")
     return 0

@@ -47,23 +47,23 @@ def study(args: argparse.Namespace) -> None:
     from ..plots import show
     from ..studies import STUDIES
 
-    found = STUDIES[one_of("study", args.name, STUDIES)]
+    entry = STUDIES[one_of("study", args.name, STUDIES)]
     check_file("csv", args.csv, ".csv", "")  # without an ending it may be a pipe
-    given = {**vars(args), "wide": args.wide or None}
+    options = {**vars(args), "wide": args.wide or None}
     if args.speeds is not None:
-        given["speeds"] = values_in_range("speeds", args.speeds)
-    taken = [*inspect.signature(found.table).parameters]
+        options["speeds"] = values_in_range("speeds", args.speeds)
+    taken = [*inspect.signature(entry.table).parameters]
     for name in ("wide", "aircraft", "altitude", "speeds", "speed", "gamma"):
-        if given[name] is not None and name not in taken:
-            known = ", ".join(f"--{x}" for x in taken if x != "progress")
-            why = f"the study {args.name} takes no --{name}; it takes {known}"
-            refuse(name, given[name], why)
+        if options[name] is not None and name not in taken:
+            accepted = ", ".join(f"--{x}" for x in taken if x != "progress")
+            why = f"the study {args.name} takes no --{name}; it takes {accepted}"
+            refuse(name, options[name], why)
     with saving_figures(args.save):
-        table = found.table(**{x: given[x] for x in taken if given.get(x) is not None})
+        table = entry.table(**{x: options[x] for x in taken if options.get(x) is not None})
         print(f"{args.name}: {table.trimmed.sum()} of {len(table)} points trim")
         if args.csv is not None:
             _save_table(table, args.csv)
-        figure = found.figure(table)
+        figure = entry.figure(table)
         if args.aircraft is not None:
             figure.suptitle(f"{args.aircraft}: {figure.get_suptitle()}")
         show(figure, args.name)

@@ -16,8 +16,8 @@ from .model import DaveModel, Variable
 class DaveML(SampledLaw):
     """Model in DAVE-ML (ANSI/AIAA S-119), with its inputs and outputs as ports.
 
-    Its variables are limited to the ``minValue`` and ``maxValue`` of the file. An input without a
-    wire has the initial value that the file gives it; one that has none reads 0, with a warning.
+    Its variables are limited to the ``minValue`` and ``maxValue`` of the file. An unconnected input
+    has its initial value from the file; if it has none, it reads 0, with a warning.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class DaveML(SampledLaw):
     T: float = 0.0
 
     def _begin(self) -> None:
-        # without T the clock stands still
+        # without T there are no sample events, but the clock needs a positive period
         T = self.T
         self.T = number("T", T, low=0.0) or 1.0
         super()._begin()
@@ -65,11 +65,11 @@ class DaveML(SampledLaw):
 
     def build(self) -> None:
         if (number("T", self.T, low=0.0) > 0) != bool(self.events):
-            refuse("T", self.T, "T cannot become 0 or positive: build another block")
+            refuse("T", self.T, "T cannot change between 0 and positive: build another block")
         model = self.model if self.file == self._file else DaveModel(self.file)
         sides = (model.inputs, self.inputs), (model.outputs, self.outputs)
         if any(_ports(side) != [*port_names(register)] for side, register in sides):
-            reason = f"{model.path} has other inputs or outputs than the block's ports"
+            reason = f"the inputs or outputs of {model.path} differ from the block's ports"
             refuse("file", self.file, reason)
         self.model, self._file = model, self.file
         # PathView shows eight characters: varIDs are shorter than names
@@ -85,7 +85,7 @@ class DaveML(SampledLaw):
 
     def sample(self, t: float, dt: float) -> None:
         super().sample(t, dt)
-        # without T it has no events, which tell that a run begins
+        # without T there are no events, which otherwise detect the start of a run
         self._run_begins()
 
     def update(self, t: float) -> None:

@@ -1,4 +1,4 @@
-"""The elements of a DAVE-ML file with their lines. Nothing but the file itself is read."""
+"""The elements of a DAVE-ML file with their lines. Only the file itself is read."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from xml.parsers import expat
 from .._core.checks import as_path, did_you_mean, nearest
 from ..errors import DaveMLError, FileError
 
-# beyond any published model: a malformed file ends here instead of filling the memory
+# beyond any published model: a malformed file is refused instead of filling the memory
 _MOST_BYTES = 32_000_000
 _MOST_ELEMENTS = 500_000
 _MOST_DEPTH = 64
@@ -38,7 +38,7 @@ class Element:
     text: str = ""
 
     def error(self, reason: str, variable: str = "", name: str = "", of: Iterable[str] = ()) -> Any:
-        """The error at this element; what ``of`` has like ``name`` is suggested."""
+        """The error at this element; it suggests the entries of ``of`` nearest to ``name``."""
         close = did_you_mean(nearest(name, of)) if name else ""
         return DaveMLError(reason + close, path=self.path, line=self.line, variable=variable)
 
@@ -50,10 +50,10 @@ class Element:
 
     def one(self, *tags: str) -> Element:
         """The only child with one of these names."""
-        found = [*self.all(*tags)]
-        if len(found) != 1:
-            raise self.error(f"{self.tag} needs one {' or '.join(tags)}, and has {len(found)}")
-        return found[0]
+        matches = [*self.all(*tags)]
+        if len(matches) != 1:
+            raise self.error(f"{self.tag} needs one {' or '.join(tags)}, not {len(matches)}")
+        return matches[0]
 
     def only(self, *tags: str) -> None:
         """Refuse children of other names."""
@@ -62,12 +62,12 @@ class Element:
                 reason = f"{self.tag} has no element {child.tag!r}"
                 raise child.error(reason, name=child.tag, of=tags)
 
-    def get(self, name: str, *known: str) -> str:
-        """An attribute; without one the first of those ``known``, else it must be there."""
-        value = self.attributes.get(name, known[0] if known else "")
-        if not value or (known and value not in known):
-            expected = f", which is one of {', '.join(known)}" if known else ""
-            raise self.error(f"{self.tag} has {name}={value!r}{expected}", name=value, of=known)
+    def get(self, name: str, *choices: str) -> str:
+        """An attribute, by default the first of the ``choices``; without these it is required."""
+        value = self.attributes.get(name, choices[0] if choices else "")
+        if not value or (choices and value not in choices):
+            expected = f"; it must be one of {', '.join(choices)}" if choices else ""
+            raise self.error(f"{self.tag} has {name}={value!r}{expected}", name=value, of=choices)
         return value
 
     def number(self, name: str, default: Any) -> Any:
@@ -105,7 +105,7 @@ def read_elements(file: Any) -> Element:
 def _parsed(content: bytes, path: Path) -> Element:
     document = Element("", {}, 0, path)
     open_elements, count = [document], itertools.count(1)
-    # joined where an element ends: adding to its text takes the square of the time
+    # joined at an element's end: appending to its text would take quadratic time
     texts: list[list[str]] = [[]]
     parser = expat.ParserCreate()
     parser.buffer_text = True
@@ -127,8 +127,8 @@ def _parsed(content: bytes, path: Path) -> Element:
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.CharacterDataHandler = lambda data: texts[-1].append(data)
-    # of the file's own DOCTYPE, and of a DTD that was not fetched
-    parser.EntityDeclHandler = lambda *_: refuse("entities are refused: write their text instead")
+    # entities of the file's own DOCTYPE, and of a DTD, which is not fetched
+    parser.EntityDeclHandler = lambda *_: refuse("entities are not allowed: write their text")
     parser.SkippedEntityHandler = lambda name, _: refuse(f"the entity {name!r} is not known")
     try:
         parser.Parse(content, True)
@@ -136,5 +136,5 @@ def _parsed(content: bytes, path: Path) -> Element:
         raise
     except (expat.ExpatError, LookupError, ValueError) as error:  # LookupError: the encoding
         line = getattr(error, "lineno", 1)
-        raise DaveMLError(f"no XML: {error}", path=path, line=line) from None
+        raise DaveMLError(f"not XML: {error}", path=path, line=line) from None
     return document.children[0]

@@ -8,12 +8,12 @@ from typing import Any
 
 from .elements import Element
 
-# an operator and its arguments; of ("number", x) and ("variable", id) they are not expressions
+# an operator and its arguments, which are expressions, or ("number", x), ("variable", id)
 Expression = tuple
 
 _ANY = 256
 
-# fewest and most arguments; in Python what joins two arguments, or a function
+# minimum and maximum number of arguments; the Python operator between them, or function
 # fmt: off
 OPERATORS: dict[str, tuple[int, int, str]] = {
     "plus": (1, _ANY, " + "), "times": (1, _ANY, " * "),
@@ -42,11 +42,11 @@ def _undefined() -> float:
     raise ValueError("no piece of its piecewise applies")
 
 
-# what the Python of an expression calls
+# functions that the Python of an expression calls
 NAMES: dict[str, Any] = {
     **vars(math),
     **{"__builtins__": {}, "abs": abs, "min": min, "max": max, "undefined": _undefined},
-    # floats: Python's own give integers, which have no limit
+    # as floats: Python's own give integers, which never overflow
     "floor": lambda x: x // 1.0,
     "ceil": lambda x: -(-x // 1.0),
     "whole": lambda a, b: float(math.trunc(a / b)),
@@ -69,14 +69,14 @@ def read_expression(element: Element) -> Expression:
         return ("number", _CONSTANTS[tag])
     if tag == "piecewise":
         return _piecewise(element)
-    known = ("apply", "cn", "ci", "piecewise", *_CONSTANTS)
+    kinds = ("apply", "cn", "ci", "piecewise", *_CONSTANTS)
     if tag != "apply" or not children:
-        raise element.error(f"{tag!r} is not an expression", name=tag, of=known)
+        raise element.error(f"{tag!r} is not an expression", name=tag, of=kinds)
     operator, *arguments = children
     if operator.tag == "piecewise" and not arguments:  # some files apply it to nothing
         return _piecewise(operator)
     name = operator.text.strip() if operator.tag == "csymbol" else operator.tag
-    bare = [x.one(*known) if x.tag in ("degree", "logbase") else x for x in arguments]
+    bare = [x.one(*kinds) if x.tag in ("degree", "logbase") else x for x in arguments]
     return _applied(operator, name, [*map(read_expression, bare)])
 
 
@@ -109,13 +109,13 @@ def _number(element: Element) -> float:
 
 
 def _piecewise(element: Element) -> Expression:
-    """Values and conditions in turn, and at last the value otherwise, if there is one."""
+    """Values and conditions in turn, then the value of ``otherwise``, if any."""
     element.only("piece", "otherwise")
     parts = sorted(element.children, key=lambda part: part.tag == "otherwise")
     for part in parts:
         expected = 2 - (part is parts[-1] and part.tag == "otherwise")
         if len(part.children) != expected or len(parts) > _ANY:
-            raise part.error(f"a piece has a value and a condition, and there are at most {_ANY}")
+            raise part.error(f"a piece needs a value and a condition; at most {_ANY} pieces")
     if not parts:
         raise element.error("the piecewise is empty")
     return ("piecewise", *(read_expression(x) for part in parts for x in part.children))
@@ -130,7 +130,7 @@ def variables_of(expression: Expression) -> set[str]:
 
 
 def python_of(expression: Expression, name: Callable[[str], str]) -> str:
-    """An expression as Python; ``name`` gives that of a variable."""
+    """An expression as Python; ``name`` maps a variable's id to its Python name."""
     kind, *arguments = expression
     if kind in ("number", "variable"):
         return name(arguments[0]) if kind == "variable" else f"({arguments[0]!r})"

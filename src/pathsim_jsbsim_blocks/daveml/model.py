@@ -14,7 +14,7 @@ from .elements import Element, read_elements
 from .mathml import NAMES, Expression, python_of, read_expression, variables_of
 from .tables import Table, read_tables
 
-# relative, of internal values in check data: files state no tolerance for them
+# relative tolerance of internal values in check data, for which files state none
 _ROUNDING = 1e-6
 
 _INPUTS = ("isInput", "isControl", "isDisturbance")
@@ -22,10 +22,10 @@ _INPUTS = ("isInput", "isControl", "isDisturbance")
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of a DAVE-ML model: ``id`` within the file, ``name`` to the outside.
+    """A variable of a DAVE-ML model: ``id`` within the file, ``name`` outside it.
 
     ``kind`` is "input", "constant", "calculation" or "table"; ``initial`` is the value of a
-    constant, and of an input where none is given. The value is limited to ``low`` and ``high``.
+    constant, and the default of an input. The value is limited to ``low`` and ``high``.
     """
 
     id: str
@@ -48,7 +48,7 @@ class Variable:
 
 
 class Check(NamedTuple):
-    """One value of a check shot: what the file expects, and what the model gives."""
+    """One value of a check shot: the file's expected value, and the model's."""
 
     shot: str
     variable: str
@@ -79,8 +79,8 @@ class DaveModel:
     variables : dict of Variable
         all variables by varID, each after those that it reads
     inputs, outputs : list of Variable
-        in the file's order. Inputs are marked ``isInput``, or have nothing that gives them a
-        value; outputs are marked ``isOutput``
+        in the file's order. Inputs are marked ``isInput``, or have no value, calculation or table;
+        outputs are marked ``isOutput``
 
     Raises
     ------
@@ -94,20 +94,20 @@ class DaveModel:
         root = read_elements(file)
         self.path = root.path
         if root.tag != "DAVEfunc":
-            raise root.error(f"no DAVE-ML: the root is {root.tag!r}, not 'DAVEfunc'")
+            raise root.error(f"not DAVE-ML: the root is {root.tag!r}, not 'DAVEfunc'")
         tables = ("breakpointDef", "griddedTableDef", "ungriddedTableDef")
         root.only("fileHeader", "variableDef", *tables, "function", "checkData")
-        found = _variables(root, read_tables(root))
-        self.variables = {name: found[name] for name in _order(found)}
-        self.inputs = [v for v in found.values() if v.kind == "input"]
-        self.outputs = [v for v in found.values() if v.is_output]
+        variables = _variables(root, read_tables(root))
+        self.variables = {name: variables[name] for name in _order(variables)}
+        self.inputs = [v for v in variables.values() if v.kind == "input"]
+        self.outputs = [v for v in variables.values() if v.is_output]
         self._shots = [*_shots(root, self)]
         self._function = self._compiled()
         numbers = {name: i for i, name in enumerate(self.variables)}
         self._shown = [numbers[v.id] for v in self.outputs]
 
     def __reduce__(self) -> tuple[type, tuple[Any]]:
-        # what it was compiled to cannot be pickled
+        # the compiled function cannot be pickled
         return type(self), (self.path,)
 
     def __call__(self, values: Sequence[float]) -> list[float]:
@@ -116,14 +116,14 @@ class DaveModel:
         Raises
         ------
         ParameterError
-            for another number of values
+            for a wrong number of values
         DaveMLError
-            if a variable has no value there, as after a division by zero
+            if a variable has no value for these inputs, as after a division by zero
         """
         if len(values) != len(self.inputs):
             must_be("values", values, f"{len(self.inputs)} numbers, one for each input")
-        found = self._evaluated(values)
-        return [found[i] for i in self._shown]
+        results = self._evaluated(values)
+        return [results[i] for i in self._shown]
 
     def evaluate(self, inputs: Mapping[str, float] = {}) -> dict[str, float]:
         """All variables by varID.
@@ -138,51 +138,51 @@ class DaveModel:
         ParameterError
             for a name that is not an input, and an input without a value
         DaveMLError
-            if a variable has no value there
+            if a variable has no value for these inputs
         """
         ids = {key: v.id for v in self.inputs for key in (v.name, v.id)}
-        given: dict[str, Any] = {v.id: v.initial for v in self.inputs}
+        by_id: dict[str, Any] = {v.id: v.initial for v in self.inputs}
         for name, value in inputs.items():
             if name not in ids:
                 close = did_you_mean(nearest(name, ids))
                 refuse(name, value, f"{self.path.name} has no input {name!r}{close}")
-            given[ids[name]] = value
-        values = [number(f"{self.path.name}: the input {n!r}", x) for n, x in given.items()]
+            by_id[ids[name]] = value
+        values = [number(f"{self.path.name}: the input {n!r}", x) for n, x in by_id.items()]
         return dict(zip(self.variables, map(float, self._evaluated(values)), strict=True))
 
     def verify(self) -> list[Check]:
-        """The values of the file's check shots, beside what the model gives.
+        """Compare the file's check shots with the model.
 
         An internal value, for which files state no tolerance, may differ by 1e-6 of its size.
 
         Raises
         ------
         ParameterError, DaveMLError
-            if a shot leaves out an input, or a variable has no value in it
+            if a shot omits an input, or a variable has no value in it
         """
         checks = []
         for shot, inputs, expected in self._shots:
-            found = self.evaluate(inputs)
-            checks += [Check(shot, name, x, found[name], tol) for name, x, tol in expected]
+            results = self.evaluate(inputs)
+            checks += [Check(shot, name, x, results[name], tol) for name, x, tol in expected]
         return checks
 
     def _evaluated(self, values: Sequence[float]) -> list[float]:
         try:
-            found = self._function(*values)
+            results = self._function(*values)
         except (ArithmeticError, ValueError) as error:
             place: Any = error.__traceback__
             while place.tb_frame.f_code is not self._function.__code__:
                 place = place.tb_next
             v = [*self.variables.values()][place.tb_lineno - 2]
             raise v.element.error(f"no value: {error}", v.id) from None
-        if not math.isfinite(sum(found)):
-            for v, x in zip(self.variables.values(), found, strict=True):
+        if not math.isfinite(sum(results)):
+            for v, x in zip(self.variables.values(), results, strict=True):
                 if not math.isfinite(x):
                     raise v.element.error(f"no value: it is {x}", v.id)
-        return found
+        return results
 
     def _compiled(self) -> Any:
-        """A function of the inputs that gives all variables, with one line for each."""
+        """A function from the inputs to all variables, with one line for each."""
         local = {name: f"v{i}" for i, name in enumerate(self.variables)}
         names = {**NAMES}
         lines = [f"def function({', '.join(local[v.id] for v in self.inputs)}):"]
@@ -196,7 +196,7 @@ class DaveModel:
 
 
 def _code(v: Variable, local: Mapping[str, str], names: dict[str, Any]) -> str:
-    """The Python of a variable; its table is put among the names."""
+    """The Python of a variable; its table is added to ``names``."""
     if v.kind == "table":
         names[f"table_{local[v.id]}"] = v.table
         code = f"table_{local[v.id]}({', '.join(local[x] for x in v.arguments)})"
@@ -209,11 +209,11 @@ def _code(v: Variable, local: Mapping[str, str], names: dict[str, Any]) -> str:
 
 
 def _variables(root: Element, tables: dict[str, tuple]) -> dict[str, Variable]:
-    found: dict[str, Variable] = {}
+    variables: dict[str, Variable] = {}
     for element in root.all("variableDef"):
         name, initial = element.get("varID"), element.number("initialValue", None)
-        if name in found:
-            raise element.error(f"is in line {found[name].element.line} too", name)
+        if name in variables:
+            raise element.error(f"is defined in line {variables[name].element.line} already", name)
         marks = ("isOutput", "isState", "isStateDeriv", "isStdAIAA", *_INPUTS)
         element.only("description", "provenance", "provenanceRef", "calculation",
                      "uncertainty", *marks)  # fmt: skip
@@ -236,28 +236,28 @@ def _variables(root: Element, tables: dict[str, tuple]) -> dict[str, Variable]:
         if low > high:
             raise element.error(f"minValue {low:g} is above maxValue {high:g}", name)
         units, sign = (element.attributes.get(x, "") for x in ("units", "sign"))
-        found[name] = Variable(
+        variables[name] = Variable(
             name, element.get("name"), units, sign, kind, element.has("isOutput"), initial,
             low, high, element, expression, table, arguments,
         )  # fmt: skip
     for name, (function, *_) in tables.items():
-        raise function.error(f"no variable {name!r}", name=name, of=found)
-    return found
+        raise function.error(f"no variable {name!r}", name=name, of=variables)
+    return variables
 
 
-def _order(found: Mapping[str, Variable]) -> Iterable[str]:
+def _order(variables: Mapping[str, Variable]) -> Iterable[str]:
     """The variables, each after those that it reads."""
-    reads = {v.id: v.reads for v in found.values()}
-    for v in found.values():
+    reads = {v.id: v.reads for v in variables.values()}
+    for v in variables.values():
         for name in reads[v.id]:
-            if name not in found:
-                raise v.element.error(f"reads {name!r}, which is not there", v.id, name, found)
+            if name not in variables:
+                raise v.element.error(f"reads {name!r}, which is undefined", v.id, name, variables)
     try:
         return [*TopologicalSorter(reads).static_order()]
     except CycleError as error:
         loop = error.args[1]
         needs = " -> ".join(reversed(loop))
-        raise found[loop[0]].element.error(f"needs itself: {needs}", loop[0]) from None
+        raise variables[loop[0]].element.error(f"depends on itself: {needs}", loop[0]) from None
 
 
 def _shots(root: Element, model: DaveModel) -> Iterator[tuple[str, dict[str, float], list]]:
@@ -274,11 +274,11 @@ def _shots(root: Element, model: DaveModel) -> Iterator[tuple[str, dict[str, flo
         return names[name], value.parse(value.text)
 
     for shot in (shot for data in root.all("checkData") for shot in data.all("staticShot")):
-        given = dict(read(x, inputs) for x in shot.one("checkInputs").all("signal"))
+        settings = dict(read(x, inputs) for x in shot.one("checkInputs").all("signal"))
         expected = []
         parts = shot.all("internalValues", "checkOutputs")
         for signal in (signal for part in parts for signal in part.all("signal")):
             name, value = read(signal, outputs)
             tolerances = [abs(x.parse(x.text)) for x in signal.all("tol")]
             expected.append((name, value, max(tolerances, default=_ROUNDING * abs(value))))
-        yield shot.attributes.get("name", f"line {shot.line}"), given, expected
+        yield shot.attributes.get("name", f"line {shot.line}"), settings, expected

@@ -1,4 +1,4 @@
-"""Functions that are tables: on a grid, where each axis gives weights, or of scattered points."""
+"""Table functions: on a grid, interpolated axis by axis, or of scattered points."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .elements import Element
 Table = Callable[..., float]
 
 _ORDERS = {"quadraticSpline": 2, "cubicSpline": 3}
-# a spline needs the square of its breakpoints in numbers, and all of them for each value
+# a spline's weights need memory for the square of the number of breakpoints
 _MOST_SPLINE = 1000
 
 _METHODS = ("linear", "discrete", "floor", "ceiling", *_ORDERS)
@@ -24,9 +24,9 @@ _METHODS = ("linear", "discrete", "floor", "ceiling", *_ORDERS)
 class Axis:
     """Breakpoints of one variable, and how to interpolate between them.
 
-    ``discrete`` takes the nearest breakpoint, the upper one in the middle; ``floor`` the one at or
-    below the variable, ``ceiling`` the one at or above. Beyond its ends the table is held, unless
-    ``below`` or ``above`` continue it there; ``low`` and ``high`` limit the variable.
+    ``discrete`` uses the nearest breakpoint, the upper one in the middle; ``floor`` the one at or
+    below the variable, ``ceiling`` the one at or above. Beyond its ends the table is constant,
+    unless ``below`` or ``above`` extrapolate it; ``low`` and ``high`` limit the variable.
     """
 
     points: Sequence[float]
@@ -46,11 +46,11 @@ class Axis:
             import numpy as np
             from scipy.interpolate import make_interp_spline
 
-            # linear in the values: a spline through the unit values gives the weights
+            # a spline is linear in its values: one through the unit vectors gives the weights
             self._spline = make_interp_spline(points, np.eye(n), k=min(_ORDERS[self.method], n - 1))
 
     def weights(self, x: float) -> Sequence[tuple[int, float]]:
-        """Numbers and weights of the breakpoints that count at ``x``."""
+        """Indices and weights of the breakpoints used at ``x``."""
         x = self._least if x < self._least else self._most if x > self._most else x
         points = self.points
         last = len(points) - 1
@@ -79,14 +79,14 @@ class Grid:
     def __call__(self, *x: float) -> float:
         terms: Sequence[tuple[int, float]] = ((0, 1.0),)
         for axis, value in zip(self.axes, x, strict=True):
-            n, near = len(axis.points), axis.weights(value)
-            terms = [(i * n + j, w * v) for i, w in terms for j, v in near]
+            n, weights = len(axis.points), axis.weights(value)
+            terms = [(i * n + j, w * v) for i, w in terms for j, v in weights]
         values = self.values
         return sum([w * values[i] for i, w in terms])
 
 
 def read_tables(root: Element) -> dict[str, tuple[Element, Table, tuple[str, ...]]]:
-    """The function of each variable that is looked up in a table, the table and its arguments."""
+    """By output variable: the function element, its table and the table's arguments."""
     definitions: dict[tuple[str, str], Element] = {}
     inside = (x for f in root.all("function") for d in f.all("functionDefn") for x in d.children)
     for element in [*root.children, *inside]:
@@ -101,13 +101,13 @@ def read_tables(root: Element) -> dict[str, tuple[Element, Table, tuple[str, ...
             raise reference.error(f"no {key} {name!r}", name=name, of=names)
         return definitions[key, name]
 
-    found: dict[str, tuple] = {}
+    functions: dict[str, tuple] = {}
     for function in root.all("function"):
         variables = [*function.all("independentVarPts", "independentVarRef")]
         output = function.one("dependentVarPts", "dependentVarRef")
         name = output.get("varID")
-        if name in found or not variables:
-            raise function.error("is the second function, or has no variable", name)
+        if name in functions or not variables:
+            raise function.error("has two functions, or a function without variables", name)
         if output.tag == "dependentVarPts":
             table: Table = _grid(output, variables, variables)
         else:
@@ -122,8 +122,8 @@ def read_tables(root: Element) -> dict[str, tuple[Element, Table, tuple[str, ...
                 places = data.one("breakpointRefs").all("bpRef")
                 points = [defined("bpID", x).one("bpVals") for x in places]
                 table = _grid(data.one("dataTable"), variables, points)
-        found[name] = function, table, tuple(v.get("varID") for v in variables)
-    return found
+        functions[name] = function, table, tuple(v.get("varID") for v in variables)
+    return functions
 
 
 def _grid(data: Element, variables: Sequence[Element], points: Sequence[Element]) -> Grid:
@@ -138,7 +138,7 @@ def _grid(data: Element, variables: Sequence[Element], points: Sequence[Element]
 
 
 def _scattered(data: Element, variables: Sequence[Element]) -> Table:
-    """Values at scattered points: linear on Delaunay's triangles, beyond them the nearest one's."""
+    """Values at scattered points: linear on Delaunay triangles, outside the nearest point's."""
     rows = []
     for point in data.all("dataPoint"):
         rows.append(point.numbers())
@@ -152,16 +152,16 @@ def _scattered(data: Element, variables: Sequence[Element]) -> Table:
     axes = [_axis(v, data, [0.0]) for v in variables]
     for v, axis in zip(variables, axes, strict=True):
         if axis.method != "linear" or axis.below or axis.above:
-            raise v.error("a table of scattered points is linear, and held beyond them")
+            raise v.error("a table of scattered points must be linear, without extrapolation")
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
     from scipy.spatial import QhullError
 
     points, values = [row[:-1] for row in rows], [row[-1] for row in rows]
     try:
-        # rescaled, so that variables of different size count alike
+        # rescaled, so that all variables have the same weight in distances
         inside = LinearNDInterpolator(points, values, rescale=True)
     except QhullError:
-        raise data.error("its points span no volume") from None
+        raise data.error("its points span no area or volume") from None
     outside = NearestNDInterpolator(points, values, rescale=True)
 
     def table(*x: float) -> float:

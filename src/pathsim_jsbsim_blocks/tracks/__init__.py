@@ -1,4 +1,4 @@
-"""A flight seen: recorded, as a table, in Google Earth, Tacview and Cesium, as a page."""
+"""Record flights; write them as tables, for Google Earth, Tacview and Cesium, or as a report."""
 
 from .files import save_tracks
 from .recorder import FlightRecorder

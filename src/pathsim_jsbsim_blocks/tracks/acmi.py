@@ -1,4 +1,4 @@
-"""Tacview's ACMI 2.2: text, one line for each aircraft and instant, with what has changed.
+"""Tacview's ACMI 2.2: text, one line for each aircraft and instant, with the changed properties.
 
 Format and properties: Raia Software, *ACMI 2.2 File Format*, tacview.net/documentation/acmi.
 """
@@ -19,7 +19,7 @@ from .._core.units import FOOT, convert
 from ..errors import ParameterError
 from .track import Track
 
-# a signal's name: ACMI property and its unit. Positions of controls are parts of full travel
+# ACMI property and unit by the signal's name. Control positions are fractions of full travel
 _PROPERTIES = {
     "calibrated airspeed": ("CAS", "m/s"),
     "true airspeed": ("TAS", "m/s"),
@@ -42,14 +42,14 @@ _PROPERTIES = {
 
 
 def write_acmi(path: Path, tracks: Sequence[Track], start: datetime.datetime, about: str) -> None:
-    """One object for each aircraft: position, attitude, and the signals that Tacview knows."""
+    """One object for each aircraft: position, attitude, and the signals that ACMI defines."""
     head = {
         "ReferenceTime": start.replace(tzinfo=None).isoformat(timespec="milliseconds") + "Z",
         "DataSource": about,
         "DataRecorder": about,
         "Title": ", ".join(track.name for track in tracks),
     }
-    # Tacview wants the byte order mark
+    # Tacview requires the byte order mark
     with path.open("w", encoding="utf-8-sig", newline="\n") as file:
         file.write("FileType=text/acmi/tacview\nFileVersion=2.2\n")
         file.writelines(f"0,{name}={_escaped(text)}\n" for name, text in head.items())
@@ -81,19 +81,19 @@ def _lines(identity: str, track: Track) -> Iterator[tuple[float, str]]:
 
 
 def _columns(track: Track) -> tuple[list[str], list[list[float]]]:
-    """The properties that ACMI has a name for, with their values in its units."""
-    found = {}
+    """The signals that are ACMI properties, with their values in ACMI's units."""
+    columns = {}
     for text, column in track.signals.items():
         name, unit = name_and_unit(text)
         if name not in _PROPERTIES:
             continue
-        known, wanted = _PROPERTIES[name]
+        acmi_name, target = _PROPERTIES[name]
         try:
-            values = column if unit == wanted else convert(column, unit, wanted)
+            values = column if unit == target else convert(column, unit, target)
         except ParameterError:
             continue  # another quantity under the same name
-        found[known] = values.tolist()
-    return list(found), list(found.values())
+        columns[acmi_name] = values.tolist()
+    return list(columns), list(columns.values())
 
 
 def _escaped(text: str) -> str:

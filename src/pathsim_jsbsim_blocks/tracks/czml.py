@@ -24,14 +24,14 @@ def write_czml(path: Path, tracks: Sequence[Track], start: datetime.datetime, ab
 
     epoch = instant(start, 0.0)
     first = min(track.time[0] for track in tracks)
-    whole = span(first, max(track.time[-1] for track in tracks))
+    interval = span(first, max(track.time[-1] for track in tracks))
     packets = [
         czml3.Packet(
             id="document",
             name=", ".join(track.name for track in tracks),
             description=about,
             version=czml3.CZML_VERSION,
-            clock=of.Clock(currentTime=instant(start, first), multiplier=1, interval=whole),
+            clock=of.Clock(currentTime=instant(start, first), multiplier=1, interval=interval),
         )
     ]
     for n, (track, colour) in enumerate(zip(tracks, _COLOURS * len(tracks), strict=False), 1):

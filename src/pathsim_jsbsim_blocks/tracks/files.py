@@ -1,4 +1,4 @@
-"""Write tracks to a file; its ending says in which format."""
+"""Write tracks to a file, in the format of its ending."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ _FORMATS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
     ".html": (write_report, ("plotly",)),
 }
 
-# noon of a day of equal day and night, so that a globe with sunlight shows the flight by day
+# noon at the equinox, so that a globe with sunlight shows the flight by day
 _START = datetime.datetime(2024, 3, 20, 12, tzinfo=datetime.timezone.utc)
 
 
@@ -77,11 +77,11 @@ def save_tracks(
     path : str or Path
         ``.csv`` or ``.parquet`` (a table), ``.acmi`` (Tacview), ``.kml`` (Google Earth), ``.czml``
         (Cesium) or ``.html`` (a report that opens in any browser, without a network). A ``.kml``
-        of tracks of all steps of a simulation has 5 points per second, or as many as take 5 MB
+        of tracks of all steps of a simulation has 5 points per second, fewer above 5 MB
     tracks : Track or list of Track
         the aircraft
     start : datetime, optional
-        date and time of t = 0 in the formats that have one; without a time zone it is UTC.
+        date and time of t = 0, for formats with a date; without a time zone it is UTC.
         Default is 2024-03-20 12:00 UTC
 
     Raises
@@ -101,11 +101,11 @@ def save_tracks(
             refuse("tracks", track, why)
     names = [track.name for track in tracks]
     if not tracks or len(set(names)) != len(names):
-        refuse("tracks", names, f"tracks must be one or more, of different names, not {names}")
+        refuse("tracks", names, f"tracks must be one or more with different names, not {names}")
     start = _START if start is None else _utc(start)
     write, _ = _FORMATS[path.suffix.lower()]
     try:
-        # a number beyond the range of a format is infinite there
+        # a number beyond the range of a format becomes infinite
         with replacing(path) as file, np.errstate(over="ignore", invalid="ignore"):
             write(file, tracks, start, _versions())
     except OverflowError:
@@ -124,8 +124,8 @@ def _utc(start: Any) -> datetime.datetime:
 
 
 def _versions() -> str:
-    found = [f"Python {platform.python_version()}"]
+    versions = [f"Python {platform.python_version()}"]
     for package in ("pathsim", "jsbsim", "pathsim-jsbsim-blocks"):
         with contextlib.suppress(PackageNotFoundError):
-            found.insert(0, f"{package} {version(package)}")
-    return ", ".join(found)
+            versions.insert(0, f"{package} {version(package)}")
+    return ", ".join(versions)

@@ -1,7 +1,7 @@
 """KML 2.2 for Google Earth: a track with time stamps, altitudes and attitudes for each aircraft.
 
-Written element by element in the order of the schemas ``ogckml22.xsd`` and ``kml22gx.xsd``:
-simplekml has another order, and fastkml no data in tracks.
+Written element by element, because simplekml does not follow the order of the schemas
+``ogckml22.xsd`` and ``kml22gx.xsd``, and fastkml has no data in tracks.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ _KML = "http://www.opengis.net/kml/2.2"
 _GX = "http://www.google.com/kml/ext/2.2"
 _ICON = "http://maps.google.com/mapfiles/kml/shapes/airports.png"
 _COLOURS = ("ff1e66ff", "ffb4771f", "ff2ca02c", "ffbd6794", "ff2827d6")  # alpha, blue, green, red
-_FLOAT = {"nan": "NaN", "inf": "INF", "-inf": "-INF"}  # as XML Schema spells them
+_FLOAT = {"nan": "NaN", "inf": "INF", "-inf": "-INF"}  # spelling of XML Schema
 
-# of tracks of all steps. Google Earth interpolates, and is slow with large files
+# limits for tracks of all steps: Google Earth interpolates, and is slow with large files
 _RATE = 5.0  # points per second
 _SIZE = 4.9e6  # bytes of all points
 _POINT, _VALUE = 180, 44  # bytes of a point without signals, and of a signal's value, at most
@@ -31,7 +31,7 @@ _POINT, _VALUE = 180, 44  # bytes of a point without signals, and of a signal's 
 def write_kml(path: Path, tracks: Sequence[Track], start: datetime.datetime, about: str) -> None:
     """One ``gx:Track`` for each aircraft, its signals as extended data.
 
-    ``gx:angles`` turn clockwise about z up, x right and y ahead, each seen against its axis: the
+    ``gx:angles`` are clockwise about z up, x right and y ahead, each seen against its axis: the
     tilt is the negative pitch angle, the roll the negative roll angle.
     """
     tracks = [_drawn(track, _SIZE / len(tracks)) if track.every_step else track for track in tracks]

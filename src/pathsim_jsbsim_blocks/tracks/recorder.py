@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def _labels(parameter: str, signals: Any) -> list[str]:
-    """Labels of signals whose ports have names of their own."""
+    """Labels of signals, checked to give unique port names."""
     signals = name_list(parameter, signals, "a list of labels")
     if not all(isinstance(s, str) for s in signals):
         must_be(parameter, signals, "a list of labels")
@@ -38,9 +38,9 @@ def _labels(parameter: str, signals: Any) -> list[str]:
 class FlightRecorder(Parametric, Scope):
     """Records an aircraft's track and time history, and writes them for other programs.
 
-    It is a scope: what plots and saves scopes takes it too. `to_frame` is its recording as a pandas
-    table, `to_track` as columns, and `save` writes a table, a file for Tacview, Google Earth or
-    Cesium, or a report to open in a browser.
+    It is a scope, so functions that plot and save scopes accept it. `to_frame` gives its recording
+    as a pandas table, `to_track` as columns, and `save` writes a table, a file for Tacview, Google
+    Earth or Cesium, or a report to open in a browser.
 
     Parameters
     ----------
@@ -49,13 +49,13 @@ class FlightRecorder(Parametric, Scope):
     name : str
         name of the aircraft in the file; default is its type
     signals : list of str
-        labels with units of further signals, such as ``"calibrated airspeed [kt]"``; they come at
-        the ports after ``psi``, and the label without its unit is the port's name
+        labels with units of further signals, such as ``"calibrated airspeed [kt]"``; their ports
+        follow ``psi``, and the label without its unit is the port's name
     sampling_period : float, optional
         s; default is every step of the diagram, of which a ``.kml`` file gets 5 per second or
         fewer
     t_wait : float
-        time before which nothing is recorded, s
+        time at which the recording starts, s
 
     Inputs
     ------
@@ -69,7 +69,7 @@ class FlightRecorder(Parametric, Scope):
     Raises
     ------
     ParameterError
-        for labels that are not text, are given twice, or are those of the ports above
+        for labels that are not text, are repeated, or are those of the ports above
 
     Examples
     --------
@@ -78,7 +78,7 @@ class FlightRecorder(Parametric, Scope):
     ('calibrated airspeed [kt]', 6)
     """
 
-    # PathView plots blocks of this type; it goes by the class name where there is no such attribute
+    # PathView plots blocks of this type; without this attribute it would use the class name
     type_name = "Scope"
 
     input_port_labels = {name: i for i, name in enumerate(POSITION)}
@@ -104,7 +104,7 @@ class FlightRecorder(Parametric, Scope):
             ports = [*POSITION, *(name_and_unit(x)[0] for x in signals)]
             self.inputs = NamedRegister(len(ports), {port: i for i, port in enumerate(ports)})
         elif signals != self._recorded:
-            why = "signals cannot change, they are the block's ports: build another block"
+            why = "signals cannot change because they are the block's ports: build another block"
             refuse("signals", signals, why)
 
     def to_track(self) -> Track:

@@ -1,4 +1,4 @@
-"""Record all flights of a script, whatever blocks its diagrams have for that."""
+"""Record all flights of a script, with or without recorders in its diagrams."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..flight import from_trim
 from ..flight.block import FlightBlock
 from .track import POSITION, Track
 
-# label: port or property, and factor; one that a model lacks is left out
+# port or property, and factor, by label; those that a model lacks are omitted
 _SIGNALS = {
     label: (property_of(name), OUTPUTS[name].factor if name in OUTPUTS else 1.0)
     for label, name in {
@@ -47,7 +47,7 @@ _SIGNALS = {
 
 
 class Recording:
-    """The flight of one block, a row at each sample instant."""
+    """The flight of one block, one row for each sample instant."""
 
     def __init__(self, flown: FlightBlock):
         self.block = flown
@@ -78,16 +78,16 @@ class Recording:
     def _keep(self, index: int) -> None:
         clock = self.block.clock
         row = [clock.start + index * clock.period, *(read() for read in self._readers)]
-        # an instant that an interrupt has ended comes again
+        # after an interrupt the last instant is repeated, so overwrite from its row on
         self._rows[index * len(row) :] = array("d", row)
 
     @property
     def flown(self) -> bool:
-        """Whether the aircraft has left its first instant."""
+        """Whether the aircraft has flown beyond its initial instant."""
         return self.block.samples > 0
 
     def track(self, name: str) -> Track:
-        """The flight up to the instant that the diagram has reached."""
+        """The flight up to the current instant of the diagram."""
         width = 1 + len(self._labels)
         rows = np.array(self._rows).reshape(-1, width)[: self.block.samples + 1]
         columns = {
@@ -113,7 +113,7 @@ class Recording:
 
 @contextlib.contextmanager
 def recorded_flights() -> Iterator[list[Recording]]:
-    """Context in which aircraft blocks that are built record their flights, in this order."""
+    """Context in which all aircraft blocks record their flights, in the order of their building."""
     recordings: list[Recording] = []
 
     def record(flown: FlightBlock) -> None:
@@ -128,7 +128,7 @@ def recorded_flights() -> Iterator[list[Recording]]:
 
 
 def tracks(recordings: list[Recording]) -> list[Track]:
-    """Tracks of all aircraft that have flown; those of one model are numbered."""
+    """Tracks of all aircraft that have flown; several of one model are numbered."""
     flown = [r for r in recordings if r.flown]
     models = [r.block.airframe.aircraft for r in flown]
     numbered = [f"{model} {models[: i + 1].count(model)}" for i, model in enumerate(models)]

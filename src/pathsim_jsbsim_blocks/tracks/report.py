@@ -20,21 +20,21 @@ from .._core.scopes import name_and_unit
 from .._core.units import FOOT
 from .track import Track
 
-# a page with more samples of an aircraft than these reacts slowly
+# samples of one aircraft; a page with more reacts slowly
 _MOST = 20_000
 
 
 def write_report(path: Path, tracks: Sequence[Track], start: datetime.datetime, about: str) -> None:
-    """The page with all aircraft; long flights are thinned out to 20,000 samples."""
+    """Write the page with all aircraft; long flights are thinned out to 20,000 samples."""
     from plotly.offline import get_plotlyjs
     from pymap3d import geodetic2enu
 
-    shown = [track.at_most(_MOST) for track in tracks]
-    origin = shown[0].lat[0], shown[0].lon[0], shown[0].h[0] * FOOT
-    places = [np.array(geodetic2enu(x.lat, x.lon, x.h * FOOT, *origin)) for x in shown]
-    aircraft = [_aircraft(*both) for both in zip(shown, places, strict=True)]
+    thinned = [track.at_most(_MOST) for track in tracks]
+    origin = thinned[0].lat[0], thinned[0].lon[0], thinned[0].h[0] * FOOT
+    places = [np.array(geodetic2enu(x.lat, x.lon, x.h * FOOT, *origin)) for x in thinned]
+    aircraft = [_aircraft(*both) for both in zip(thinned, places, strict=True)]
     head = {}
-    for track in tracks:  # the title has the name of the only one
+    for track in tracks:  # with one aircraft, its name is in the title
         kind = [track.aircraft] * (track.aircraft != track.name)
         head[track.name if tracks[1:] else "flight"] = [*kind, *map(" ".join, track.about.items())]
     head |= {"t = 0": [f"{start:%Y-%m-%d %H:%M:%S %Z}"], "made by": [about]}
@@ -54,7 +54,7 @@ def write_report(path: Path, tracks: Sequence[Track], start: datetime.datetime, 
 
 
 def _boxes(places: Sequence[np.ndarray]) -> list[list[float]]:
-    """Ranges of the axes east, north and up; a level track needs some height, most of it above."""
+    """Ranges of the axes east, north and up; a level track gets some height, most of it above."""
     low, high = (f([f(place, axis=1) for place in places], axis=0) for f in (np.min, np.max))
     half = np.maximum(0.6 * (high - low), 0.2 * max(np.max(high - low), 100.0))
     ends = np.where([0, 0, 1], low - 0.2 * half, (low + high) / 2 - half)
@@ -65,7 +65,7 @@ def _aircraft(track: Track, place: np.ndarray) -> dict[str, Any]:
     signals = []
     for label, column in track.columns.items():
         name, unit = name_and_unit(label)
-        if name == "heading":  # without the jumps at north
+        if name == "heading":  # remove the jumps at north
             column = np.unwrap(column, period=360)
         if name not in ("latitude", "longitude"):
             signals.append({"name": name, "unit": unit, "values": _packed(column)})

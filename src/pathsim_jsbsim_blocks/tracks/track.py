@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pandas
     from pathsim.blocks import Scope
 
-# what a track needs at least: field and the column's label
+# required fields of a track, with the labels of their columns
 POSITION = {
     "lat": "latitude [deg]",
     "lon": "longitude [deg]",
@@ -31,12 +31,12 @@ POSITION = {
 }
 
 
-# control characters, halves of surrogate pairs, noncharacters: XML has no way to write most of them
+# control characters, lone surrogates and noncharacters, most of which XML cannot represent
 _UNWRITABLE = re.compile("[^\t\n -~\u00a0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def instant(start: datetime.datetime, seconds: float) -> str:
-    """ISO 8601 of a time after ``start``, which is in UTC. `strftime` writes no year 0999."""
+    """ISO 8601 of a time after ``start`` (UTC). `strftime` would not pad years before 1000."""
     when = start.replace(tzinfo=None) + datetime.timedelta(seconds=seconds)
     return when.isoformat(timespec="microseconds") + "Z"
 
@@ -45,8 +45,8 @@ def writable_text(parameter: str, text: Any) -> str:
     """``text`` if every format of a track can hold it."""
     if not isinstance(text, str):
         must_be(parameter, text, "text")
-    if found := _UNWRITABLE.search(text):
-        why = f"the character {found[0]!r}, which files of tracks cannot hold, in {text!r}"
+    if match := _UNWRITABLE.search(text):
+        why = f"the character {match[0]!r}, which files of tracks cannot store, in {text!r}"
         refuse(parameter, text, f"{parameter} has {why}")
     return text
 
@@ -73,7 +73,7 @@ class Track:
         further columns by their label, such as ``"calibrated airspeed [kt]"``, each of shape (n,);
         NaN where a signal is undefined
     about : dict, optional
-        text for the head of a report: what was flown, from where
+        text for the head of a report, such as the trimmed condition
     every_step : bool
         whether the samples are all steps of a simulation, not those of a sampling period: a
         ``.kml`` file then has 5 points per second, and fewer if it gets large
@@ -82,7 +82,7 @@ class Track:
     ------
     ParameterError
         for columns of different lengths, no samples, positions and angles that are not finite,
-        latitudes beyond the poles, times that do not increase, text with control characters, and
+        latitudes beyond 90 deg, times that do not increase, text with control characters, and
         a signal with the label of a column of the track
     """
 
@@ -106,14 +106,14 @@ class Track:
         about = {str(key): str(text) for key, text in mapping("about", self.about).items()}
         writable_text("about", "\n".join([*about, *about.values()]))
         object.__setattr__(self, "about", about)
-        given: dict[str, Any] = {name: getattr(self, name) for name in ("time", *POSITION)}
-        columns = finite(**given)
-        for name, column in zip(given, columns, strict=True):
+        fields: dict[str, Any] = {name: getattr(self, name) for name in ("time", *POSITION)}
+        columns = finite(**fields)
+        for name, column in zip(fields, columns, strict=True):
             object.__setattr__(self, name, np.atleast_1d(column))
         signals = mapping("signals", self.signals)
         rest = {label: _signal(label, column) for label, column in signals.items()}
         object.__setattr__(self, "signals", rest)
-        for name, column in {**{n: getattr(self, n) for n in given}, **rest}.items():
+        for name, column in {**{n: getattr(self, n) for n in fields}, **rest}.items():
             if column.shape != self.time.shape or column.ndim != 1 or not column.size:
                 why = f"{name} has the shape {column.shape}, time has {self.time.shape}"
                 same = "all columns must have the same number of samples, at least 1"
@@ -140,23 +140,23 @@ class Track:
         return frame(self.time, self.columns)
 
     def at_most(self, most: float) -> Track:
-        """The track with samples at even times and the last: ``most`` or fewer before that."""
+        """The track thinned out to evenly spaced samples, at most ``most``, and the last one."""
         n = len(self.time)
         if n <= most:
             return self
         span = self.time[-1] - self.time[0]
-        # a sample that rounding, which adds up over hours, puts just before a period belongs to it
+        # tolerance: accumulated rounding may put a sample just before the start of its period
         periods = np.floor((self.time - self.time[0]) / span * most + 1e-3)
-        kept = np.union1d(np.unique(periods, return_index=True)[1], [n - 1])
+        indices = np.union1d(np.unique(periods, return_index=True)[1], [n - 1])
         return dataclasses.replace(
             self,
-            **{name: getattr(self, name)[kept] for name in ("time", *POSITION)},
-            signals={label: column[kept] for label, column in self.signals.items()},
+            **{name: getattr(self, name)[indices] for name in ("time", *POSITION)},
+            signals={label: column[indices] for label, column in self.signals.items()},
         )
 
     @property
     def description(self) -> str:
-        """Type and ``about`` as HTML, for viewers that show it."""
+        """Type and ``about`` as HTML, for viewers that display it."""
         lines = [self.aircraft, *(f"{key}: {text}" for key, text in self.about.items())]
         return "<br>".join(map(html.escape, lines))
 
@@ -168,7 +168,7 @@ def frame(time: np.ndarray, columns: Mapping[str, np.ndarray]) -> pandas.DataFra
 
 
 def to_frame(scope: Scope) -> pandas.DataFrame:
-    """What a scope has recorded as a pandas table; its labels are the columns' names.
+    """The recording of a scope as a pandas table; its labels are the columns' names.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def to_frame(scope: Scope) -> pandas.DataFrame:
 
 
 def _signal(label: Any, values: Any) -> np.ndarray:
-    """A further column; it may be undefined at times, such as the angle of attack at rest."""
+    """A further column; NaN is allowed: some signals are undefined at times, e.g. alpha at rest."""
     writable_text("signals", label)
     if label in ("time [s]", *POSITION.values()):
         refuse("signals", label, f"signals has {label!r}, a column of every track")
