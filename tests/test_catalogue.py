@@ -230,7 +230,7 @@ def test_what_was_recorded_before_a_run_stopped_is_saved(stop, status, text, run
     assert rows == [[str(t), str(t)] for t in (0.0, 0.25, 0.5)]
     err = capsys.readouterr().err.splitlines()
     assert err[-1].startswith("pathsim-jsbsim: ")
-    assert err[-1].endswith(f"{text}; what was recorded until t = 0.5 s is saved")
+    assert err[-1].endswith(f"{text}; the recording until t = 0.5 s is saved")
     # the lines of a script that is at fault itself, and none of ours
     assert len(err) == 1 or (err[0].startswith("Traceback") and "cli/runs.py" not in "".join(err))
 
@@ -252,7 +252,7 @@ def test_a_flight_that_is_interrupted_by_the_user_is_saved(tmp_path):
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert err == ("pathsim-jsbsim: interrupted; what was recorded until t = 0.5 s is saved\n")
+    assert err == ("pathsim-jsbsim: interrupted; the recording until t = 0.5 s is saved\n")
     assert len(signals.read_text().splitlines()) == 4
 
 

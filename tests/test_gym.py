@@ -294,7 +294,9 @@ def test_a_wire_into_an_action_is_refused_or_replaced():
         "observation": ["aircraft.theta", "hold.elevator"],
         "reward": lambda v: 0.0,
     }
-    with pytest.raises(ParameterError, match=r"wire leads into 'aircraft\.elevator'.*'replace'"):
+    with pytest.raises(
+        ParameterError, match=r"'aircraft\.elevator' is connected already.*'replace'"
+    ):
         make_env("pitch_hold", **given)
     seen = flown(make_env("pitch_hold", wired="replace", **given), 0.0 * ACTIONS)
     # trimmed controls, whatever the hold commands
@@ -339,8 +341,8 @@ def test_worker_processes_fly_what_this_one_flies():
         ({"action": {}}, "at least one action"),
         ({"observation": ["plane.pitch"]}, "did you mean 'plane.theta'"),
         ({"vary": {"plane.sped": (80, 90)}}, "did you mean 'plane.speed'"),
-        ({"vary": {"SPEED": (80, 90)}}, "those of scripts"),
-        ({"settings": {"SPEED": 3}}, "those of scripts"),
+        ({"vary": {"SPEED": (80, 90)}}, "need a script"),
+        ({"settings": {"SPEED": 3}}, "need a script"),
         ({"vary": {"plane.speed": (0, np.inf)}}, "must be finite"),
         ({"action": {"plane.0": (-1, 1)}}, "no 'plane.0' in the diagram"),
         ({"observation": "plane.theta"}, "observation must be"),
@@ -348,7 +350,7 @@ def test_worker_processes_fly_what_this_one_flies():
         ({"step": 0.013}, "multiple of dt"),
         ({"duration": -1.0}, "duration"),
         ({"reward": 3.0}, "reward must be a function"),
-        ({"normalise": True}, "normalise needs a range of 'plane.theta'"),
+        ({"normalise": True}, "normalise needs a finite range of 'plane.theta'"),
         ({"wired": "yes"}, "'refuse', 'replace'"),
         ({"render_mode": "human"}, "rgb_array"),
     ],

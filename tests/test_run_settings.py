@@ -66,7 +66,7 @@ def test_a_diagram_is_flown_with_other_values(tmp_path, capsys):
         (["--set", "sim.dt=-0.01"], "dt must be greater than 0"),
         (["--duration", "nan"], "duration must be finite"),
         (["--csv", "a.csv", "--csv-rate", "0"], "csv-rate must be greater than 0"),
-        (["--csv-rate", "10"], "--csv-rate goes with --csv FILE"),
+        (["--csv-rate", "10"], "--csv-rate requires --csv FILE"),
     ],
 )
 def test_a_setting_without_effect_ends_before_the_flight(options, said, capsys):
@@ -104,15 +104,15 @@ def test_the_rate_of_a_csv_leaves_out_rows_and_changes_none():
 @pytest.mark.parametrize(
     ("script", "options", "status", "said"),
     [
-        ("pass", [], 0, "the script makes no run with sim.run or fly: add sim.run(10) under"),
+        ("pass", [], 0, "the script calls neither sim.run nor fly: add sim.run(10) under"),
         (
             "print(slope)",
             ["--duration", "5"],
             1,
-            "no run with sim.run or fly that --duration could",
+            "neither sim.run nor fly, so --duration has no effect",
         ),
         ("list(sim.run_streaming(1.0))", [], 0, ""),
-        ("list(sim.run_streaming(1.0))", ["--duration", "5"], 1, "that --duration could set"),
+        ("list(sim.run_streaming(1.0))", ["--duration", "5"], 1, "so --duration has no effect"),
         ("sim.run(1.0); sim.reset()", [], 0, ""),
     ],
 )

@@ -145,7 +145,7 @@ def test_parameters_can_be_edited_while_it_runs():
     ],
 )
 def test_edges_that_cannot_be_told_apart_are_refused(make):
-    with pytest.raises(ParameterError, match="cannot be told apart") as error:
+    with pytest.raises(ParameterError, match="too close to be distinguished") as error:
         make()
     assert error.value.parameter == "start"
 

@@ -16,7 +16,7 @@ class BlocksError(Exception):
         return _restored, (type(self), self.args, self.__dict__)
 
     def reworded(self: _Error, message: str, **changed: Any) -> _Error:
-        """The same error with another message, and with other data where given."""
+        """The same error with another message, and with the data in ``changed``."""
         return _restored(type(self), (message,), {**self.__dict__, **changed})
 
 
@@ -44,9 +44,9 @@ class ParameterError(BlocksError, ValueError):
 
 
 class KeywordError(ParameterError, TypeError):
-    """A block or condition is given a parameter that it does not have.
+    """A keyword argument that a block or condition does not have.
 
-    A `TypeError` too, as Python's own. `parameter` and `value` are those that were given.
+    Also a `TypeError`, as Python's own. `parameter` and `value` are the argument's.
     """
 
 
@@ -60,7 +60,7 @@ class AircraftError(BlocksError, ValueError):
     nearest : list[str]
         known models with a similar name, or properties like those that are missing
     missing : tuple[str, ...]
-        properties to which the model refers and which do not exist, empty if that is not the reason
+        properties that the model uses and that do not exist, empty if that is not the reason
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class PropertyError(BlocksError, ValueError):
     aircraft : str
         the model's name
     name : str
-        the property's name as it was given
+        the property's name as requested
     nearest : list[str]
         existing properties with a similar name
     """
@@ -107,29 +107,28 @@ class TrimError(BlocksError, RuntimeError):
     condition : TrimCondition
         the requested condition
     reason : str
-        what ran to the end of its range: "thrust", "alpha limit", "elevator", "aileron", "rudder",
-        "bank", "sideslip", "path angle" or "speed", on the ground "height", "pitch angle" or
-        "bank"; "ground" in flight that touches it; "mach" (propellers); "no equilibrium" if it does
-        not stay; or "no convergence". Of engines: "fuel" (empty tanks), "fuel valve" (fuel that the
-        model does not let them have), "mixture", "engine" (does not run for another reason) or
-        "propeller" (does not settle). Of the model: "no effect" (of a command), "rotorcraft", or
-        "aerodynamics" (it has none)
+        the quantity that reached its limit: "thrust", "alpha limit", "elevator", "aileron",
+        "rudder", "bank", "sideslip", "path angle" or "speed", on the ground "height", "pitch angle"
+        or "bank"; "ground" if an aircraft in flight touches it; "mach" (propellers); "no
+        equilibrium" if the state is not steady; or "no convergence". Of engines: "fuel" (empty
+        tanks), "fuel valve" (fuel shut off by the model), "mixture", "engine" (does not run for
+        another reason) or "propeller" (does not settle). Of the model: "no effect" (of a command),
+        "rotorcraft", or "aerodynamics" (it has none)
     residuals : dict[str, float]
-        accelerations in ft/s2 and rad/s2: without trim, or the best that the Newton search reached
+        accelerations in ft/s2 and rad/s2: untrimmed, or the minimum that the Newton search reached
     nearest : TrimCondition or None
-        the nearest that trims, if one was looked for and found: the same with ``solver="newton"``,
-        or at another speed, the fastest for a condition that is too fast
+        the nearest condition that trims, if a search for it succeeded: the same with
+        ``solver="newton"``, or at another speed, the maximum for a condition that is too fast
     limit : float or None
-        the value at which it ran out (command, deg, ft/s), if a Newton search has ended there;
-        with ``trim(..., hint=True)`` one follows a failure of JSBSim's search
+        the limit that was reached (command, deg, ft/s), if a Newton search ended there; with
+        ``trim(..., hint=True)`` a Newton search follows a failure of JSBSim's
     engines : list[int]
-        engines that give no thrust
+        engines without thrust
     command : str
         command without effect: "throttle", "pitch", "roll" or "yaw"
     properties : dict[str, float]
-        what is concerned, with values: of the tanks without fuel what they hold, of tanks that are
-        shut their priority, of a mixture the one with which the engines run, of a command what it
-        is after being set
+        the properties concerned: contents of empty tanks, priorities of tanks that are shut off,
+        the mixture with which the engines run, or the value of a command after it was set
     """
 
     def __init__(
@@ -159,7 +158,7 @@ class TrimError(BlocksError, RuntimeError):
 
 
 class LinearisationError(BlocksError, RuntimeError):
-    """There is no linear model: no steady trim, a zero or noisy response.
+    """No linear model exists: no steady trim, a zero or noisy response.
 
     Attributes
     ----------
@@ -169,7 +168,7 @@ class LinearisationError(BlocksError, RuntimeError):
         "no trim", "no response", "limit" (an input at the end of its range, or a step of the
         control system), "no fit" or "engine" (it does not settle)
     name : str
-        input or output that is concerned, empty if all are
+        input or output concerned, empty if all are
     servos : dict[str, float]
         servos with hysteresis behind that input, with the width in the unit of each
     """
@@ -198,7 +197,7 @@ class DesignError(BlocksError, RuntimeError):
     aircraft : str
         the model's name
     reason : str
-        "unstable" (no gains settle a step), or the reason for which there is no linear model, as in
+        "unstable" (no gains settle a step), or the reason for a missing linear model, as in
         `LinearisationError`
     loop : str
         "pitch", "roll", "heading", "altitude" or "speed"; empty if all are concerned
@@ -261,7 +260,7 @@ class DiagramError(BlocksError, ValueError):
     line : int or None
         line of the script
     reason : str
-        what is wrong there
+        the fault
     """
 
     def __init__(self, reason: str, *, path: Any, line: int | None = None):
@@ -333,7 +332,7 @@ class DaveMLError(BlocksError, ValueError):
     line : int or None
         line of the file
     variable : str
-        varID of the variable that is concerned, empty if none is
+        varID of the variable concerned, empty if none is
     """
 
     def __init__(self, reason: str, *, path: Any, line: int | None = None, variable: str = ""):

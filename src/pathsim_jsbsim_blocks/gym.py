@@ -145,7 +145,10 @@ class DiagramEnv(gymnasium.Env):
         # a variable of a script takes effect only when the script is built again
         self._anew = any("." not in name for name in self._vary)
         self._crash = number("crash", options["crash"])
-        self._reward, self._terminated = options["reward"], options["terminated"] or (lambda _: False)
+        self._reward, self._terminated = (
+            options["reward"],
+            options["terminated"] or (lambda _: False),
+        )
         for name, judge in (("reward", self._reward), ("terminated", self._terminated)):
             if not callable(judge):
                 must_be(name, judge, "a function of the values")

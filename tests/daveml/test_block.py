@@ -104,8 +104,8 @@ def test_bad_parameters_are_refused(tmp_path):
     with pytest.raises(BlocksError, match=r"cannot read 'nothing\.dml'"):
         DaveML("nothing.dml")
     wing = DaveML(str(file))
-    with pytest.raises(ParameterError, match=r"b.dml has other inputs or outputs"):
+    with pytest.raises(ParameterError, match=r"the inputs or outputs of .*b.dml differ"):
         wing.file = str(other)
-    with pytest.raises(ParameterError, match="T cannot become 0 or positive"):
+    with pytest.raises(ParameterError, match="T cannot change between 0 and positive"):
         wing.T = 0.1
     assert (wing.file, wing.T) == (str(file), 0.0)

@@ -22,7 +22,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     0 done, 1 failed with a message, 2 wrong usage or a model that is not trusted, 130 interrupted.
     """
     if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
-        # names that the terminal's encoding lacks
+        # escape characters that the terminal's encoding lacks
         sys.stdout.reconfigure(errors="backslashreplace")
     arguments = sys.argv[1:] if argv is None else argv
     parser = command_parser()
@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return 1
     except (BlocksError, OSError, KeyboardInterrupt) as error:
-        # output that could not be written would be tried again at the end of the process
+        # otherwise failed output would be written again at the end of the process
         with contextlib.suppress(OSError):
             sys.stdout.flush()
         return report(error)

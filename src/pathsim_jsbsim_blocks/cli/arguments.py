@@ -1,4 +1,4 @@
-"""Commands and their options, and what the values of options mean."""
+"""Commands, their options, and the conversion of options' values."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from ..flight.trimming.condition import TrimCondition
 
 
-# names of an option or an argument, and what else `add_argument` takes
+# names of an option or an argument, and the keywords of `add_argument`
 Option: TypeAlias = tuple[tuple[str, ...], dict[str, Any]]
 
 
 class Command(NamedTuple):
-    """A command: its function, what it does in a line, and its options."""
+    """A command: its function, a one-line description, and its options."""
 
     function: Callable[[argparse.Namespace], int | None]
     text: str
@@ -28,7 +28,7 @@ COMMANDS: dict[str, Command] = {}  # by name
 
 
 def command(text: str, *options: Option) -> Callable[[Any], Any]:
-    """A decorator that makes a function the command of its name, without a last underscore."""
+    """A decorator that registers a function as a command, by its name without a final underscore."""
 
     def register(function: Any) -> Any:
         COMMANDS[function.__name__.rstrip("_")] = Command(function, text, options)
@@ -66,7 +66,7 @@ def engine_numbers(text: str) -> tuple[int, ...] | str:
         raise argparse.ArgumentTypeError(why) from None
 
 
-# options that commands share
+# shared options
 
 AIRCRAFT = option("aircraft", "name of a JSBSim model")
 ROOT = option("--root", "JSBSim root directory with models of your own", metavar="DIR")
@@ -89,7 +89,7 @@ CREATE = repeatable(
     "PROPERTY=VALUE",
 )
 
-# those of a trim have the names of the fields of TrimCondition, which has their defaults
+# options of a trim are named as the fields of TrimCondition, which has their defaults
 _NUMBERS = {
     "altitude": "ft (default 5000)",
     "speed": "KCAS (default 100; docs/evidence/fleet.md has one for each aircraft)",
@@ -130,7 +130,7 @@ def condition_of(args: argparse.Namespace) -> TrimCondition:
     from ..flight.trimming.condition import TrimCondition
 
     if args.mach is not None and args.speed is not None:
-        refuse("mach", args.mach, "--mach goes instead of --speed")
+        refuse("mach", args.mach, "--mach and --speed exclude each other")
     names = {field.name for field in dataclasses.fields(TrimCondition)}
     fields = {n: x for n, x in vars(args).items() if n in names and x is not None}
     return TrimCondition(**fields)
@@ -142,7 +142,7 @@ def setup_and_model(args: argparse.Namespace) -> tuple[dict[str, float], dict[st
 
 
 def created(args: argparse.Namespace) -> dict[str, float] | str:
-    """What ``create`` of an `Airframe` takes."""
+    """The argument ``create`` of an `Airframe`."""
     return "missing" if args.create == ["missing"] else values_of("create", args.create)
 
 
@@ -155,7 +155,9 @@ def values_of(option: str, items: Iterable[str]) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            alone = "; missing goes alone, and --set changes its zeros" if item == "missing" else ""
+            alone = (
+                "; pass missing alone and change its zeros with --set" if item == "missing" else ""
+            )
             refuse(
                 option, item, f"--{option} needs PROPERTY=VALUE with a number, not {item!r}{alone}"
             )

@@ -1,4 +1,4 @@
-"""What the command says on stderr, and its exit status."""
+"""The command's messages on stderr, and its exit status."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def tell(text: str) -> None:
 
 
 def report(error: BaseException, more: str = "") -> int:
-    """Say why the command ends; returns 1 (failed), 2 (not trusted) or 130 (interrupted)."""
+    """Print why the command ends; return 1 (failed), 2 (not trusted) or 130 (interrupted)."""
     status, message = 1, str(error)
     if isinstance(error, UntrustedModelError):
         status, message = 2, f"{error}, then pass --trust"

@@ -38,7 +38,7 @@ def view(args: argparse.Namespace) -> None:
 
 
 def asking(opened: Callable[[bool], _Opened], trust: bool) -> _Opened:
-    """Open a model, after the question to the user whether to trust it."""
+    """Open a model, after asking the user whether to trust it."""
     from ..pathview.trusted_models import remember
 
     try:
@@ -100,7 +100,7 @@ def export(args: argparse.Namespace) -> None:
         model, proof = export_with_proof(script, output, args.check)
     finally:
         waiting.cancel()
-    # all code in the model comes from the script, which has just run here
+    # trusted: all code in the model comes from the script, which has just run
     remember(digest(read(model)))
     print(f"model saved: {model} ({proof})")
 

@@ -33,7 +33,7 @@ def course(args: argparse.Namespace) -> None:
     unchanged = _copied(args.folder)
     print(f"the course is in {args.folder.resolve()}")
     if unchanged:
-        print(f"kept as you left them: {', '.join(unchanged)}; to get one anew, rename yours first")
+        print(f"your versions are kept: {', '.join(unchanged)}; for a new copy rename them first")
     if args.no_open:
         return
     required("jupyterlab", "course")
@@ -45,7 +45,7 @@ def course(args: argparse.Namespace) -> None:
         options = ["--allow-root"]
         tell("JupyterLab starts with --allow-root: its cells run as root")
     try:
-        # in this process, so that to end the command ends the server
+        # in this process, so that ending the command ends the server
         LabApp.launch_instance([str(args.folder / first), *options])
     except SystemExit as error:
         if error.code:
@@ -60,12 +60,12 @@ def chapters() -> Path:
     return installed if installed.is_dir() else package.parents[1] / "docs" / "notebooks"
 
 
-# a link to a page of the documentation, which is not beside the copy
+# a link to a page of the documentation, which the copy does not include
 _PAGE = re.compile(r"\[([^][\"\n]+)\]\(\.\./([\w/-]+)\.\w+(?:#[\w-]+)?\)")
 
 
 def _copied(folder: Path) -> list[str]:
-    """Copy chapters and figures; the files that were there and differ, which stay."""
+    """Copy chapters and figures; return existing files that differ, which are not overwritten."""
     unchanged = []
     for source in sorted([*chapters().glob("*.ipynb"), *chapters().glob("figures/*.svg")]):
         name = source.relative_to(chapters())

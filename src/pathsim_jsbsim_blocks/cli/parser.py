@@ -1,4 +1,4 @@
-"""The parser of the command; its help names the commands by group, those of each day first."""
+"""The parser of the command; its help lists the commands by group, the most frequent first."""
 
 from __future__ import annotations
 

@@ -105,7 +105,7 @@ def properties(args: argparse.Namespace) -> None:
 
 
 def _in_state(args: argparse.Namespace) -> Airframe:
-    """The aircraft, initialised, trimmed or flown for some time as the arguments require."""
+    """The aircraft, initialised, trimmed or flown for some time, depending on the arguments."""
     from pathsim import Simulation
 
     from .._core.checks import number
@@ -128,7 +128,7 @@ def _in_state(args: argparse.Namespace) -> Airframe:
 
 @contextlib.contextmanager
 def _warnings_last() -> Iterator[None]:
-    """Print what is warned of after the result: there is no line of the user's to show."""
+    """Print warnings after the result, without the source line, which is not the user's."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("default")
         yield
@@ -190,7 +190,7 @@ def _print_modes(args: argparse.Namespace) -> None:
         numbers = (mode.period, mode.time_to_half, mode.time_to_double)
         cells = " ".join(f"{'' if math.isnan(x) else f'{x:.2f}':>8}" for x in numbers)
         damping = f"{mode.damping:8.3f}" if mode.oscillatory else " " * 8
-        states = ", ".join(name for name, share in mode.participation.items() if share > 0.1)
+        states = ", ".join(name for name, part in mode.participation.items() if part > 0.1)
         print(f"  {mode.name:<18} {mode.frequency:8.4f} {damping}  {cells}  {states}")
     print(f"  MIL-F-8785C, class {vars(args)['class']}, category {args.category}")
     for quality in qualities:
@@ -240,7 +240,7 @@ def gains(args: argparse.Namespace) -> int:
     fields = {name: value for name, value in fields.items() if value is not None}
     condition = dataclasses.replace(condition, **fields)
     altitudes, speeds = args.altitude or [condition.altitude], args.speed or [condition.speed]
-    # holds that do not know the airspeed or the altitude have the gains there
+    # condition of the gains for holds without `vc` and `h` connected
     middle = {"altitude": altitudes[0], "speed": sorted(speeds)[(len(speeds) - 1) // 2]}
     if args.altitude is not None or args.speed is not None:
         condition = dataclasses.replace(condition, **middle)
@@ -256,7 +256,7 @@ def gains(args: argparse.Namespace) -> int:
         schedule = design_schedule(
             args.aircraft, condition, altitudes, speeds, progress=tell, **model
         )
-    except (DesignError, TrimError):  # at no condition: reported already
+    except (DesignError, TrimError):  # all conditions failed, which is reported already
         return 1
     if args.save is not None:
         schedule.save(args.save)

@@ -48,7 +48,7 @@ def study(args: argparse.Namespace) -> None:
     from ..studies import STUDIES
 
     entry = STUDIES[one_of("study", args.name, STUDIES)]
-    check_file("csv", args.csv, ".csv", "")  # without an ending it may be a pipe
+    check_file("csv", args.csv, ".csv", "")  # a pipe has no ending
     options = {**vars(args), "wide": args.wide or None}
     if args.speeds is not None:
         options["speeds"] = values_in_range("speeds", args.speeds)
@@ -56,7 +56,7 @@ def study(args: argparse.Namespace) -> None:
     for name in ("wide", "aircraft", "altitude", "speeds", "speed", "gamma"):
         if options[name] is not None and name not in taken:
             accepted = ", ".join(f"--{x}" for x in taken if x != "progress")
-            why = f"the study {args.name} takes no --{name}; it takes {accepted}"
+            why = f"the study {args.name} has no option --{name}; it has {accepted}"
             refuse(name, options[name], why)
     with saving_figures(args.save):
         table = entry.table(**{x: options[x] for x in taken if options.get(x) is not None})
@@ -92,7 +92,7 @@ def chart(args: argparse.Namespace) -> None:
     table = performance_table(args.aircraft, **axes, **options)
     at = ["quantity", "altitude_ft", "weight_lb", "flaps_norm"]
     result = ["load_factor", "speed_kcas", "value", "unit", "difference_percent", "reason"]
-    # a curve is drawn, its best value is printed
+    # print single values; curves are only drawn
     single = ~table.duplicated(["chart", *at[:3]], keep=False)
     printed = single | table.value.isna() | table.chart.isin(["V-n", "stall"])
     _print_table(table[printed][[*at, *result]])
@@ -116,7 +116,7 @@ def _save_table(table: Any, path: Path) -> None:
 
 
 def _case(text: str) -> float:
-    """The number of a case, which may be the name of its diagram: check_case_13_1."""
+    """The number of a case, also from the name of its diagram: check_case_13_1."""
     try:
         return float(text.removeprefix("check_case_").replace("_", "."))
     except ValueError:

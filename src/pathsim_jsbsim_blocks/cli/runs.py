@@ -80,7 +80,7 @@ def run(args: argparse.Namespace) -> int:
     from ..scripts.runs import intercepted_runs, with_duration, with_progress
     from ..scripts.script import Script, main_program
 
-    keep_warnings_visible()  # those of a script without a block of ours too
+    keep_warnings_visible()  # also for a script without blocks of this package
     settings, duration, source = _settings(args.set), args.duration, None
     if duration is not None:
         positive("duration", duration)
@@ -91,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
     else:
         script = _script(args.name).absolute()
     signals = signals_writer(args.csv, args.csv_rate)
-    status, last = 0, deque[Any](maxlen=1)  # simulation that ran, which a function may have
+    status, last = 0, deque[Any](maxlen=1)  # the last simulation run, maybe a function's variable
     try:
         with (
             saving_figures(args.save),
@@ -128,7 +128,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _script(name: str) -> Path:
-    """The script of a diagram; studies are loaded only to explain a name that is none."""
+    """The script of a diagram; studies are loaded only to explain an unknown name."""
     from .._core.checks import refuse
     from ..catalogue import find_diagram
 
@@ -157,7 +157,7 @@ def _settings(items: Sequence[str]) -> dict[str, Any]:
 
 
 def _code_of_model(path: Path, args: argparse.Namespace) -> str:
-    """The script of a model, which the user trusts."""
+    """The script of a model, after checking that the user trusts it."""
     import linecache
 
     from ..pathview import pvm
@@ -167,13 +167,13 @@ def _code_of_model(path: Path, args: argparse.Namespace) -> str:
         return trusted(pvm.read(path), path, trust, args.trust_toolbox)[1]
 
     source = asking(code, args.trust)
-    # tracebacks show the lines of the script
+    # so that tracebacks show the lines of the script
     linecache.cache[str(path)] = (len(source), None, source.splitlines(True), str(path))
     return source
 
 
 def _telling_of_no_aircraft(args: argparse.Namespace) -> contextlib.AbstractContextManager[Any]:
-    """Context that says, before a run, that no aircraft of this package flies in it."""
+    """Context that reports, before a run, if no aircraft of this package flies in it."""
     from ..scripts.runs import intercepted_runs
 
     texts = set[str]()
@@ -235,14 +235,14 @@ def _save_tracks(paths: Sequence[Path], recordings: Any, ended: bool) -> None:
         save_tracks(path, flown)
         print(f"track saved: {path}")
 
-    with contextlib.ExitStack() as files:  # one that fails prevents no other
+    with contextlib.ExitStack() as files:  # a failing file does not prevent the others
         for path in reversed(paths if flown else []):
             files.callback(save_to, path)
 
 
 @contextlib.contextmanager
 def _to_flightgear(address: str | None) -> Iterator[None]:
-    """Fly in real time and send all aircraft to FlightGear; report the pace kept."""
+    """Fly in real time and send all aircraft to FlightGear; print the pace at the end."""
     if address is None:
         yield
         return
@@ -257,7 +257,7 @@ def _to_flightgear(address: str | None) -> Iterator[None]:
 
 
 def _report_no_run(objects: Iterable[Any], duration: float | None, constant: bool) -> None:
-    """Say that a script made no run; an error if the duration had no effect.
+    """Report that a script made no run; raise if ``--duration`` had no effect.
 
     ``constant`` tells whether the script has a constant for the duration.
     """
@@ -265,12 +265,12 @@ def _report_no_run(objects: Iterable[Any], duration: float | None, constant: boo
 
     from .._core.checks import refuse
 
-    why, advice = "the script makes no run with sim.run or fly", ""
+    why, advice = "the script calls neither sim.run nor fly", ""
     simulations = [x for x in objects if isinstance(x, Simulation)]
     if simulations and all(x.time == 0.0 for x in simulations):
         advice = ': add sim.run(10) under if __name__ == "__main__":'
     if duration is not None and (advice or not constant):
-        refuse("duration", duration, f"{why} that --duration could set{advice}")
+        refuse("duration", duration, f"{why}, so --duration has no effect{advice}")
     if advice:
         tell(why + advice)
 
@@ -292,9 +292,9 @@ def _report_failure(
         until = f"until t = {max(scope.recording_time[-1] for scope in scopes):.9g} s"
         try:
             save(figure, signals, scopes, until)
-            saved = f"; what was recorded {until} is saved"
+            saved = f"; the recording {until} is saved"
         except BlocksError as failure:
-            saved = f"; what was recorded {until} is not all saved: {failure}"
+            saved = f"; the recording {until} is not completely saved: {failure}"
     if isinstance(error, (BlocksError, KeyboardInterrupt)) or directory_is_gone():
         return report(error, saved)
     if isinstance(error, SyntaxError):
@@ -306,7 +306,7 @@ def _report_failure(
         while inside is not None and inside.tb_frame.f_code.co_filename != str(script):
             inside = inside.tb_next
         if inside is not None:
-            # the script's own fault: show its lines, as python does
+            # an error in the script: show its lines, as python does
             traceback.print_exception(type(error), error, inside)
             message = f"{script} failed"
     tell(message + saved)
@@ -314,6 +314,6 @@ def _report_failure(
 
 
 def _variables_at(error: BaseException, last: Iterable[Any]) -> list[Any]:
-    """The last simulation, and variables of the script that an exception ended."""
+    """The last simulation, and the variables of all functions that an exception ended."""
     frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
     return [*last, *(x for frame in frames for x in list(frame.f_locals.values()))]

@@ -19,7 +19,7 @@ def save(
 ) -> None:
     """Write the open figures and the signals; a failure of one does not prevent the other.
 
-    ``until``, if given, is the title of a further figure of all that was recorded.
+    ``until``, if not empty, is the title of a further figure with all recorded signals.
     """
     with contextlib.ExitStack() as last:
         if signals is not None:
@@ -29,14 +29,14 @@ def save(
 
             from ..plots import show, time_histories
 
-            for n in plt.get_fignums():  # left open, as ``sim.plot()`` does
+            for n in plt.get_fignums():  # left open, as by ``sim.plot()``
                 show(plt.figure(n), "")
             if until:
                 show(time_histories(*scopes, title=until), "")
 
 
 def check_file(option: str, path: Path | None, *endings: str) -> None:
-    """Refuse a file that cannot be written, or whose ending promises another format."""
+    """Refuse a file that cannot be written, or whose ending is that of another format."""
     from .._core.checks import ending, writable
 
     if path is not None:
@@ -46,14 +46,14 @@ def check_file(option: str, path: Path | None, *endings: str) -> None:
 
 
 def signals_writer(path: Path | None, rate: float | None) -> SignalsWriter | None:
-    """What writes the recordings of scopes as CSV, with at most ``rate`` rows per second."""
+    """A function that writes scopes' recordings as CSV, with at most ``rate`` rows per second."""
     from .._core.checks import positive, refuse
 
     if rate is not None:
         positive("csv-rate", rate)
         if path is None:
-            refuse("csv-rate", rate, "--csv-rate goes with --csv FILE")
-    check_file("csv", path, ".csv", "")  # without an ending it may be a pipe
+            refuse("csv-rate", rate, "--csv-rate requires --csv FILE")
+    check_file("csv", path, ".csv", "")  # a pipe has no ending
     return None if path is None else partial(_write_csv, path.absolute(), rate)
 
 
@@ -87,7 +87,7 @@ def _write_csv(path: Path, rate: float | None, scopes: Sequence[Any]) -> None:
     for scope in scopes:
         time, data = recording(scope)
         if rate is not None:
-            # the first sample of each period; sums of steps end just before or after an instant
+            # the first sample of each period, with a tolerance for accumulated rounding of times
             periods = np.floor(time * rate + 1e-6)
             first = np.flatnonzero(np.diff(periods, prepend=-1.0))
             time, data = time[first], data[:, first]
