@@ -28,7 +28,7 @@ COMMANDS: dict[str, Command] = {}  # by name
 
 
 def command(text: str, *options: Option) -> Callable[[Any], Any]:
-    """A decorator that registers a function as a command, by its name without a final underscore."""
+    """A decorator that registers a function as a command; a final underscore is dropped."""
 
     def register(function: Any) -> Any:
         COMMANDS[function.__name__.rstrip("_")] = Command(function, text, options)
