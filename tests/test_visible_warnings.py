@@ -11,7 +11,7 @@ import pytest
 SCRIPT = Path(__file__).parent / "warned_script.py"
 SAID = [
     "jumps over a sample instant",
-    "DiscretePID measures 0 where no wire comes in: y",
+    "DiscretePID measures 0 at unconnected inputs: y",
     "a worker process died while it computed these points",
     "worker died at x=2",
     "the user's own",
@@ -26,7 +26,7 @@ def simulate(**options):
     c, p = Constant(1.0), DiscretePID(Kp=0.5, T=0.01)
     Simulation([c, p], [Connection(c, p["r"])], dt=0.01, **{"log": False, **options}).run(0.05)
 """
-WARNING = "measures 0 where no wire comes in"
+WARNING = "measures 0 at unconnected inputs"
 
 
 def python(*arguments, code=1):

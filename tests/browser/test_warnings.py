@@ -38,7 +38,7 @@ if __name__ == "__main__":
 """
 SAID = [
     "jumps over a sample instant",
-    "DiscretePID measures 0 where no wire comes in: y",
+    "DiscretePID measures 0 at unconnected inputs: y",
     "outside of the standard atmosphere's range",
     "UserWarning: the model's own",
 ]

@@ -99,10 +99,10 @@ def test_limits_may_touch_and_be_infinite():
 
 
 def test_whole_numbers_keep_every_digit():
-    assert checks.whole("n", 4.0, low=4) == 4
-    assert checks.whole("n", 2**53 + 1, low=1) == 2**53 + 1
-    refuse(checks.whole, "n", 4.5, low=1, text="whole number")
-    refuse(checks.whole, "n", 3, low=4)
+    assert checks.integer("n", 4.0, low=4) == 4
+    assert checks.integer("n", 2**53 + 1, low=1) == 2**53 + 1
+    refuse(checks.integer, "n", 4.5, low=1, text="whole number")
+    refuse(checks.integer, "n", 3, low=4)
 
 
 def test_lists_of_numbers():

@@ -51,7 +51,7 @@ def test_the_command_of_a_hold_that_goes_nowhere():
         dt=1 / 120,
         log=False,
     )
-    assert said(sim) == ["hold['elevator'] goes nowhere: no wire leads from it"]
+    assert said(sim) == ["hold['elevator'] is not connected: the command has no effect"]
     assert said(sim) == []
     assert said(sim, lambda: fly(sim, 0.05, reset=True)) == []
 
@@ -59,7 +59,7 @@ def test_the_command_of_a_hold_that_goes_nowhere():
 def test_the_warning_is_at_the_line_that_runs():
     source, amplifier = Constant(1.0), Amplifier(2.0)
     sim = Simulation([amplifier], [Connection(source, amplifier)], log=False)
-    with pytest.warns(RuntimeWarning, match="source is wired") as caught:
+    with pytest.warns(RuntimeWarning, match="source is connected") as caught:
         fly(sim, 0.1)
     assert [w.filename for w in caught] == [__file__]
 
@@ -74,7 +74,7 @@ def test_warnings_in_flight_are_at_the_line_that_runs():
     )
     with pytest.warns(RuntimeWarning) as caught:
         sim.run(0.1)
-    for text in ("jumps over a sample", "measures 0 where", "is an increment", "extrapolated"):
+    for text in ("jumps over a sample", "measures 0 at", "is an increment", "extrapolated"):
         assert [w.filename for w in caught if text in str(w.message)] == [__file__]
 
 
@@ -84,10 +84,10 @@ def test_a_wired_block_that_is_not_in_the_simulation():
         [amplifier], [Connection(source, amplifier), Connection(amplifier, scope)], log=False
     )
     assert said(sim) == [
-        "source is wired (source['out'] to amplifier[0]), but it is not among the blocks of the "
-        "simulation: it does nothing",
-        "scope is wired (amplifier[0] to scope[0]), but it is not among the blocks of the "
-        "simulation: it does nothing",
+        "source is connected (source['out'] to amplifier[0]), but not among the blocks of the "
+        "simulation: it has no effect",
+        "scope is connected (amplifier[0] to scope[0]), but not among the blocks of the "
+        "simulation: it has no effect",
     ]
     assert said(sim) == []
 
@@ -109,7 +109,7 @@ def test_two_wires_into_one_port_by_name_and_by_number():
         log=False,
     )
     assert said(sim) == [
-        "two wires lead into plane['elevator'], from kick['out'] and other['out']: use an Adder. "
+        "two connections lead to plane['elevator'], from kick['out'] and other['out']: use an Adder. "
         "One of them has no effect"
     ]
 
@@ -126,9 +126,9 @@ def test_a_place_without_a_wire():
     ]
     sim = Simulation([plane, recorder, shear, burst], wires, dt=1 / 120, log=False)
     assert said(sim) == [
-        "recorder['lon'] is 0: no wire leads to it",
-        "shear['h'] is 0: no wire leads to it",
-        "burst['h'] is 0: no wire leads to it",
+        "recorder['lon'] is not connected and reads 0",
+        "shear['h'] is not connected and reads 0",
+        "burst['h'] is not connected and reads 0",
     ]
     assert said(sim) == []
 
@@ -144,7 +144,7 @@ def test_an_input_of_the_fdm_that_leaves_its_trim_without_a_wire():
     kick = Constant(0.01)
     sim = Simulation([fdm, kick], [Connection(kick, fdm[rudder])], dt=1 / 120, log=False)
     # the elevator command is 0 at the trim
-    assert said(sim) == [f"fdm['{throttle}'] is 0: no wire leads to it"]
+    assert said(sim) == [f"fdm['{throttle}'] is not connected and reads 0"]
     other = JSBSimFDM(
         aircraft_model="c172p", trim_airspeed=90, trim_altitude=5000, input_properties=[throttle]
     )
@@ -162,8 +162,8 @@ def test_inside_a_subsystem():
     outside, scope = Constant(1.0), Scope()
     wires = [Connection(outside, box), Connection(box, scope)]
     assert said(Simulation([outside, box, scope], wires, log=False)) == [
-        "second is wired (second[0] to inside[1]), but it is not among the blocks of the "
-        "simulation: it does nothing"
+        "second is connected (second[0] to inside[1]), but not among the blocks of the "
+        "simulation: it has no effect"
     ]
 
 
@@ -196,7 +196,7 @@ def autopilot(*switches):
 
 
 def test_a_loop_that_is_switched_off_needs_no_wire():
-    nowhere = "pilot[{!r}] goes nowhere: no wire leads from it"
+    nowhere = "pilot[{!r}] is not connected: the command has no effect"
     assert autopilot() == [nowhere.format(n) for n in ("elevator", "aileron", "throttle")]
     assert autopilot("speed_off", "pitch_off") == [nowhere.format("aileron")]
 
@@ -239,7 +239,7 @@ def test_looking_at_the_wiring_wires_nothing():
         [plane, hold, adder], [Connection(hold["elevator"], adder)], dt=1 / 120, log=False
     )
     assert said(sim, lambda: sim.run(0.05)) == [
-        "PitchHold measures 0 where no wire comes in: theta, q"
+        "PitchHold measures 0 at unconnected inputs: theta, q"
     ]
 
 
@@ -249,7 +249,7 @@ def test_a_wind_that_blows_nowhere():
     wires += [Connection(plane[port], burst[port]) for port in ("lat", "lon", "h")]
     wires += [Connection(burst["north"], plane["wind_north"])]
     sim = Simulation([plane, air, burst], wires, dt=1 / 120, log=False)
-    assert said(sim) == ["air blows nowhere: no wire leads from it"]
+    assert said(sim) == ["air is not connected: the wind has no effect"]
 
 
 def test_a_plain_run_warns_of_what_a_block_sees_itself():
@@ -257,7 +257,7 @@ def test_a_plain_run_warns_of_what_a_block_sees_itself():
     wires = [Connection(source, hold["q"])]
     sim = Simulation([hold], wires, dt=1 / 50, log=False)
     measured, jumps = said(sim, lambda: sim.run(0.05))
-    assert measured == "PitchHold measures 0 where no wire comes in: theta"
+    assert measured == "PitchHold measures 0 at unconnected inputs: theta"
     assert "jumps over a sample instant" in jumps
 
 

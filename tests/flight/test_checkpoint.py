@@ -43,7 +43,7 @@ BLOCKS = [
 @pytest.mark.parametrize(
     ("parts", "depth"), [(1, 0), (2, 1)], ids=["dt = T", "dt = T/2, stopped between samples"]
 )
-@pytest.mark.filterwarnings("ignore:.*(measures 0 where|jumps over a sample instant)")
+@pytest.mark.filterwarnings("ignore:.*(measures 0 at|jumps over a sample instant)")
 def test_a_block_with_a_plain_state_goes_on(make, depth, parts, tmp_path):
     dt = T / parts
 

@@ -110,7 +110,7 @@ def test_a_yaw_damper_washes_out():
 def test_a_law_at_its_limit_has_no_slope():
     pid = DiscretePID(Kp=1.0, low=-1, high=1)
     pid.inputs[0] = 5.0
-    with pytest.warns(RuntimeWarning, match="at a limit.* u does not act"):
+    with pytest.warns(RuntimeWarning, match="at a limit.* u has no effect"):
         _, _, _, D = pid.to_statespace(0.0)
     assert not D.any()
 

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 DEG = 180.0 / math.pi
 
-# deg; a heading above this is north with a rounding error, which JSBSim shows as up to 360
+# deg; JSBSim returns north with a rounding error as nearly 360: headings above this count as 0
 ALMOST_NORTH = 360.0 - 1e-9
 
 
 class Port(NamedTuple):
-    """What a port shows: a property (None for a command's excess over its limit), in its unit."""
+    """Source of a port: a property (None for a command's excess over its limit), factor, unit."""
 
     property: str | None
     factor: float = 1.0
@@ -78,5 +78,5 @@ SHORT_OUTPUTS: Mapping[str, tuple[str, ...]] = {
 
 
 def property_of(port: str) -> Any:
-    """The property that an output shows; a property's name stands for itself."""
+    """The property of an output; the name of a property is returned as it is."""
     return SHORT_OUTPUTS[port][0] if port in SHORT_OUTPUTS else OUTPUTS.get(port, Port(port))[0]

@@ -1,4 +1,4 @@
-"""Where in the user's code a call comes from."""
+"""Locate the user's code from which a call comes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _OURS = (__name__.partition(".")[0], "pathsim")
 
 
 def warn_user(message: str, *, once: bool = False) -> None:
-    """Warn at the line of the user's that the calls come from; ``once`` for each line."""
+    """Warn at the calling line of the user's code; ``once`` per line."""
     keep_warnings_visible()
     callers = list(frames())
     user = next(filter(is_users, callers), callers[-1])
@@ -24,7 +24,7 @@ def warn_user(message: str, *, once: bool = False) -> None:
 
 
 def frames() -> Iterator[FrameType]:
-    """Frames of the callers, the innermost first: they hold the names that the user gave."""
+    """Frames of the callers, the innermost first, which contain the user's variables."""
     return (frame for frame, _ in traceback.walk_stack(None))
 
 
@@ -35,15 +35,15 @@ def is_users(frame: FrameType) -> bool:
 def depth_in_subsystems() -> int:
     """Number of subsystems around a block whose ``set_solver`` PathSim is calling.
 
-    PathSim does not tell a block; the subsystems hand the solver down from one to the next.
+    PathSim does not pass it to a block: only the call stack shows the subsystems.
     """
     from pathsim import Simulation, Subsystem  # a trim does without PathSim
 
     inside: set[int] = set()
     for frame in frames():
-        found = list(frame.f_locals.values())
-        inside |= {id(x) for x in found if isinstance(x, Subsystem)}
-        if any(isinstance(x, Simulation) for x in found):
+        variables = list(frame.f_locals.values())
+        inside |= {id(x) for x in variables if isinstance(x, Subsystem)}
+        if any(isinstance(x, Simulation) for x in variables):
             break
     return len(inside)
 
@@ -61,12 +61,12 @@ def _captured() -> bool:
     return warnings.showwarning.__module__ == logging.__name__
 
 
-# by the application, before PathSim's first `Simulation`, which makes this logger
+# evaluated before PathSim's first `Simulation`, which captures warnings itself
 _CAPTURED_BY_APPLICATION = _captured() and logging.getLogger("pathsim").propagate
 
 
 def keep_warnings_visible() -> None:
-    """Undo PathSim's capture of warnings where no handler shows them.
+    """Undo PathSim's capture of warnings if no handler shows them.
 
     The first `Simulation` of a process redirects all warnings to `logging`.
     """

@@ -24,15 +24,15 @@ def refuse(parameter: str, value: Any, why: str) -> NoReturn:
     raise ParameterError(why, parameter=parameter, value=value) from None
 
 
-def must_be(parameter: str, value: Any, wanted: str) -> NoReturn:
-    """Refuse a value that is not what it must be."""
-    refuse(parameter, value, f"{parameter} must be {wanted}, not {value!r}")
+def must_be(parameter: str, value: Any, requirement: str) -> NoReturn:
+    """Refuse a value, with the requirement."""
+    refuse(parameter, value, f"{parameter} must be {requirement}, not {value!r}")
 
 
 def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
     """The names most like ``name``: those that contain it, those in it, then by spelling.
 
-    Paths (``attitude/theta-deg``) are compared whole and by their last part, in small letters.
+    Paths (``attitude/theta-deg``) are also compared by their last part; case is ignored.
     """
     names = list(names)
     low = str(name).lower()
@@ -43,7 +43,7 @@ def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
     return list(dict.fromkeys([*holds[:n], *held, *(spelt[x] for x in close)]))[:n]
 
 
-# what users call the ports, in small letters
+# other names of ports, in lower case
 _CALLED = {
     "theta": "pitch pitch_angle",
     "phi": "roll bank roll_angle bank_angle",
@@ -69,7 +69,7 @@ _CALLED = {
 
 
 def nearest_ports(name: str, names: Iterable[str]) -> list[str]:
-    """The ports that ``name`` is another name of; otherwise those most like it."""
+    """The ports of which ``name`` is another name, or else those most like it."""
     names = list(names)
     key = str(name).lower().replace(" ", "_")
     meant = [port for port, others in _CALLED.items() if key in others.split() and port in names]
@@ -83,31 +83,31 @@ def did_you_mean(names: Iterable[str]) -> str:
 
 
 def refuse_unknown(
-    owner: str, values: Mapping[str, Any], known: Iterable[str], ports: Container[str] = ()
+    owner: str, values: Mapping[str, Any], parameters: Iterable[str], ports: Container[str] = ()
 ) -> None:
     """Refuse unknown names of parameters: a KeywordError names the nearest, a port, or all."""
-    known = list(known)
+    parameters = list(parameters)
     for name, value in values.items():
-        if name not in known:
-            hint = did_you_mean(nearest(name, known))
+        if name not in parameters:
+            hint = did_you_mean(nearest(name, parameters))
             if not hint and name in ports:
-                hint = f": {name!r} is an input port, which a Connection leads into"
-            hint = hint or f"; it has {', '.join(known) or 'none'}"
+                hint = f": {name!r} is an input port; connect a signal to it"
+            hint = hint or f"; it has {', '.join(parameters) or 'none'}"
             message = f"{owner} has no parameter {name!r}{hint}"
             raise KeywordError(message, parameter=name, value=value)
 
 
 def known_keywords(cls: Checked) -> Checked:
-    """A class whose constructor refuses keywords that it neither has nor passes on."""
+    """A class decorator: refuse unknown keywords of the constructor, naming the nearest."""
     init = cls.__init__  # type: ignore[misc]
     parameters = list(inspect.signature(init).parameters.values())[1:]
     if not any(p.kind is p.VAR_KEYWORD for p in parameters):
-        known = [p.name for p in parameters]
+        names = [p.name for p in parameters]
 
         @functools.wraps(init)
         def checked(self: Any, *args: Any, **kwargs: Any) -> None:
             ports = getattr(type(self), "input_port_labels", None) or ()
-            refuse_unknown(type(self).__name__, kwargs, known, ports)
+            refuse_unknown(type(self).__name__, kwargs, names, ports)
             init(self, *args, **kwargs)
 
         cls.__init__ = checked  # type: ignore[misc]
@@ -156,13 +156,13 @@ def positive(parameter: str, value: Any) -> float:
 
 
 def optional(parameter: str, value: Any, of: Any = number, **bounds: Any) -> Any:
-    """``value`` as another check has it, by default a number within bounds, or None."""
+    """None, or ``value`` after another check, by default for a number within bounds."""
     return None if value is None else of(parameter, value, **bounds)
 
 
 def heading(parameter: str, value: Any) -> float:
     """``value`` as a finite angle in deg, reduced to [0, 360)."""
-    # twice: -1e-20 deg are 360 after the first
+    # twice: the first gives 360 for -1e-20 deg
     return number(parameter, value) % 360.0 % 360.0
 
 
@@ -174,19 +174,19 @@ def numbers(parameter: str, value: Any, **bounds: Any) -> list[float]:
 
 
 def check_range(low: Any, high: Any) -> tuple[float, float]:
-    """``low`` and ``high`` as floats, which may be infinite, the lower not above the upper."""
+    """``low`` and ``high`` as floats, which may be infinite, with low <= high."""
     least, most = number("low", low, infinite=True), number("high", high, infinite=True)
     if least > most:
         refuse("low", low, f"the lower limit {low!r} must not be above the upper, {high!r}")
     return least, most
 
 
-def whole(parameter: str, value: Any, *, low: int) -> int:
+def integer(parameter: str, value: Any, *, low: int) -> int:
     """``value`` as an int of at least ``low``; 4.0 passes, 4.5 does not."""
     x = number(parameter, value, low=low)
     if x != int(x):
         refuse(parameter, value, f"{parameter} must be a whole number, not {x:g}")
-    # not of x, which has 53 bits
+    # of the value: a float would lose digits beyond 53 bits
     return int(value)
 
 
@@ -196,8 +196,8 @@ def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:
     if isinstance(value, str) and value in choices:
         return str(value)
     close = did_you_mean(nearest(str(value), choices, 1))
-    known = ", ".join(map(repr, choices))
-    refuse(parameter, value, f"{parameter} must be one of {known}, not {value!r}{close}")
+    listed = ", ".join(map(repr, choices))
+    refuse(parameter, value, f"{parameter} must be one of {listed}, not {value!r}{close}")
 
 
 def flag(parameter: str, value: Any) -> bool:
@@ -210,7 +210,7 @@ def flag(parameter: str, value: Any) -> bool:
 def as_path(parameter: str, value: Any) -> Path:
     try:
         path = Path(value)
-        if "\0" in str(path):  # no system has such a file
+        if "\0" in str(path):  # not allowed by any system
             raise TypeError
         return path
     except TypeError:
@@ -220,7 +220,7 @@ def as_path(parameter: str, value: Any) -> Path:
 def writable(parameter: str, value: Any) -> Path:
     """``value`` as the path of a file that can be written, tried by opening it."""
     path = as_path(parameter, value)
-    # os.path, because a name too long for the system is an error of Path's
+    # os.path, because Path raises for a name that is too long for the system
     if os.path.isdir(path):
         refuse(parameter, str(path), f"{parameter} must be a file, {str(path)!r} is a directory")
     if not os.path.isdir(path.parent):
@@ -237,19 +237,19 @@ def writable(parameter: str, value: Any) -> Path:
 
 
 def ending(parameter: str, path: Path, *endings: str) -> Path:
-    """``path`` if it has one of ``endings``; the error names it with the nearest of them."""
+    """``path`` if it has one of ``endings``; the error suggests it with the nearest of them."""
     if path.suffix.lower() not in endings:
-        known = " or ".join(x for x in endings if x)
+        listed = " or ".join(x for x in endings if x)
         close = nearest(path.suffix, endings, 1) or endings
         hint = did_you_mean([os.path.splitext(path)[0] + close[0]])
-        refuse(parameter, str(path), f"{parameter} must end in {known}, not {path.name!r}{hint}")
+        refuse(parameter, str(path), f"{parameter} must end in {listed}, not {path.name!r}{hint}")
     return path
 
 
-def name_list(parameter: str, names: Any, wanted: str = "a list of names") -> list[Any]:
-    """``names``, a list, tuple or array, as a list; texts of numpy become Python's."""
+def name_list(parameter: str, names: Any, requirement: str = "a list of names") -> list[Any]:
+    """``names``, a list, tuple or array, as a list; numpy strings become Python's."""
     if isinstance(names, str) or not isinstance(names, (Sequence, np.ndarray)):
-        must_be(parameter, names, wanted)
+        must_be(parameter, names, requirement)
     return list(map(plain_name, names))
 
 
@@ -262,12 +262,12 @@ def property_list(parameter: str, names: Any) -> list[str]:
 
 
 def plain_name(name: Any) -> Any:
-    """A text of numpy as one of Python, which alone JSBSim takes; other things as they are."""
+    """A numpy string as Python's, because JSBSim accepts no other; other values unchanged."""
     return str(name) if isinstance(name, str) else name
 
 
 def mapping(parameter: str, value: Any) -> dict[Any, Any]:
-    """``value`` as a dict; None is an empty one."""
+    """``value`` as a dict; None gives an empty one."""
     if value is None:
         return {}
     if not isinstance(value, Mapping):
@@ -287,7 +287,7 @@ def arrays(**values: Any) -> list[Any]:
 def finite(**values: Any) -> list[Any]:
     """``values`` as finite floats or float arrays, each in its own shape, not copied.
 
-    Refuses NaN and infinities, and what ``arrays`` refuses.
+    Refuses NaN, infinities, and values that ``arrays`` refuses.
     """
     for value in values.values():
         if type(value) is not float or not math.isfinite(value):
@@ -296,9 +296,9 @@ def finite(**values: Any) -> list[Any]:
         return list(values.values())
     out, _ = _reals(values)
     for parameter, x in zip(values, out, strict=True):
-        known = np.isfinite(x)
-        if not known.all():
-            why = f"{parameter} must be finite, not {x[~known].flat[0]}"
+        is_finite = np.isfinite(x)
+        if not is_finite.all():
+            why = f"{parameter} must be finite, not {x[~is_finite].flat[0]}"
             refuse(parameter, values[parameter], why)
     return [x if x.ndim else float(x) for x in out]
 
@@ -318,5 +318,5 @@ def _reals(values: Mapping[str, Any]) -> tuple[list[Any], tuple[int, ...]]:
         return out, np.broadcast_shapes(*(x.shape for x in out))
     except ValueError:
         shapes = {parameter: x.shape for parameter, x in zip(values, out, strict=True)}
-        found = ", ".join(f"{parameter} {shape}" for parameter, shape in shapes.items() if shape)
-        refuse(", ".join(values), shapes, f"the arrays must broadcast to one shape, not {found}")
+        listed = ", ".join(f"{parameter} {shape}" for parameter, shape in shapes.items() if shape)
+        refuse(", ".join(values), shapes, f"the arrays must broadcast to one shape, not {listed}")

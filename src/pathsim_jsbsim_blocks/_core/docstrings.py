@@ -1,4 +1,4 @@
-"""Text shared by many docstrings: written once, filled in at import."""
+"""Text shared by many docstrings, inserted at import."""
 
 from __future__ import annotations
 

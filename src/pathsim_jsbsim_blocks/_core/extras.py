@@ -1,4 +1,4 @@
-"""Packages that an extra brings."""
+"""Import optional packages."""
 
 from __future__ import annotations
 

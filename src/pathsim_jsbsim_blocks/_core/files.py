@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Write files completely or not at all."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ..errors import FileError
 def replacing(path: Path) -> Iterator[Path]:
     """A file beside ``path``, with its ending, to write to; it replaces ``path`` at the end.
 
-    After an exception an existing file is unchanged; one of the system is a `FileError`. A link
-    stays, and so does a device such as /dev/stdout: it is written directly, as is a file in a
-    folder that takes no new ones.
+    After an exception an existing file is unchanged; an OSError becomes a `FileError`. A link
+    remains a link. A device such as /dev/stdout is written directly, as is a file in a folder
+    without permission to create files.
     """
     try:
         yield from _beside(path)
@@ -30,7 +30,7 @@ def _beside(path: Path) -> Iterator[Path]:
         yield path
         return
     target = path.resolve()
-    # cut, because the longest name has no room for more
+    # shortened, because the name may have the maximum length already
     temporary = target.with_name(f".{path.stem[-50:]}.{os.getpid()}{path.suffix[-20:]}")
     try:
         temporary.open("x").close()
@@ -50,6 +50,6 @@ def _beside(path: Path) -> Iterator[Path]:
 
 
 def write_whole(path: Path, content: str) -> None:
-    """Write a whole text file or nothing, as `replacing` does."""
+    """Write a text file completely or not at all, by `replacing`."""
     with replacing(path) as file:
         file.write_text(content, encoding="utf-8", newline="\n")

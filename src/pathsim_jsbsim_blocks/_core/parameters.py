@@ -4,8 +4,8 @@
     class Gain(Parametric):
         factor: float = parameter(1.0, number)
 
-From its fields a class gets its constructor, with signature and defaults, and by that ``info()``
-and the editor's form. `Parametric` checks them when the block is built and when one is set later.
+The fields define the constructor, with signature and defaults, and thus ``info()`` and the editor's
+form. `Parametric` checks them when the block is built and when one is set later.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .pathsim_internals import NamedRegister, port_names
 from .pathsim_types import Block
 from .ports import label
 
-# the value for a parameter, from its name and what was given
+# returns the valid value of a parameter, from its name and the value passed
 Check = Callable[..., Any]
 
 
@@ -37,37 +37,36 @@ def parameter(default: Any, check: Check | None = None, **bounds: Any) -> Any:
 
 @functools.cache
 def _keywords(cls: type) -> list[str]:
-    """Names that the constructor takes, and those that it passes on."""
+    """Keywords of the constructor, including those that it passes on."""
     if cls.__hash__ is None or any(isinstance(x, dataclasses.Field) for x in vars(cls).values()):
         raise TypeError(f"{cls.__name__} needs the decorator @dataclass(eq=False)")
-    known: list[str] = []
+    names: list[str] = []
     for base in cls.__mro__:
         if "__init__" in vars(base):
             parameters = list(inspect.signature(vars(base)["__init__"]).parameters.values())[1:]
             kinds = [p.kind for p in parameters]
-            known += [p.name for p in parameters if p.kind is not p.VAR_KEYWORD]
+            names += [p.name for p in parameters if p.kind is not p.VAR_KEYWORD]
             if inspect.Parameter.VAR_KEYWORD not in kinds:
                 break
-    return known
+    return names
 
 
 @dataclasses.dataclass(eq=False, repr=False)
 class Parametric(Block):
-    """Base of all blocks here: parameters are fields, and ports and parameters go by their names.
+    """Base of all blocks of this package: parameters are fields, ports have names.
 
-    A subclass is a dataclass, ``@dataclass(eq=False)``. It may implement `_begin`, which makes
-    PathSim's block, and `build`, which puts the parameters into effect: it finds their checked
-    values in ``self._checked``. A parameter that is set later builds the block anew; where a value
-    is refused, the block stays as it was.
+    A subclass is a dataclass, ``@dataclass(eq=False)``. It may implement `_begin`, to initialise
+    PathSim's block, and `build`, to apply the parameters' checked values, ``self._checked``.
+    Setting a parameter later calls `build` again; if a value is refused, the block is unchanged.
     """
 
-    # class variables, without annotations: they are not fields
+    # no annotations: these are class variables, not fields
     _built = False
     _checked = SimpleNamespace()
 
     def __new__(cls, *arguments: Any, **keywords: Any) -> Any:
-        known = _keywords(cls)  # type: ignore[arg-type]  # mypy: no hash without eq
-        refuse_unknown(cls.__name__, keywords, known, cls.input_port_labels or ())
+        names = _keywords(cls)  # type: ignore[arg-type]  # mypy: no hash without eq
+        refuse_unknown(cls.__name__, keywords, names, cls.input_port_labels or ())
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
@@ -79,14 +78,14 @@ class Parametric(Block):
         self._configure()
 
     def _begin(self) -> None:
-        """Make PathSim's block, once the parameters are stored."""
+        """Initialise PathSim's block, after the parameters are stored."""
         super().__init__()
 
     def build(self) -> None:
-        """Put the parameters into effect."""
+        """Apply the parameters."""
 
     def _configure(self) -> None:
-        """Check the parameters and put them into effect."""
+        """Check and apply the parameters."""
         checks = [(f.name, f.metadata.get("check")) for f in dataclasses.fields(self)]
         values = {name: check(name, getattr(self, name)) for name, check in checks if check}
         self._checked = SimpleNamespace(**values)
@@ -94,11 +93,11 @@ class Parametric(Block):
         self._built = True
 
     def set_solver(self, Solver: Any, parent: Any, **solver_args: Any) -> None:
-        """PathSim calls this when the block comes into a simulation."""
+        """Called by PathSim when the block is added to a simulation."""
         keep_warnings_visible()
         super().set_solver(Solver, parent, **solver_args)
 
-    if not TYPE_CHECKING:  # checkers would take any attribute for one that can be set
+    if not TYPE_CHECKING:  # otherwise checkers would accept setting any attribute
 
         def __setattr__(self, name: str, value: Any) -> None:
             if name in self.__dataclass_fields__ and self._built:
@@ -117,12 +116,12 @@ class Parametric(Block):
         ParameterError
             for a parameter that the block does not have, naming the nearest, and for bad values
         """
-        known = dict.fromkeys([*self.info()["parameters"], *self.__dataclass_fields__])
-        refuse_unknown(type(self).__name__, values, known, port_names(self.inputs))
+        names = dict.fromkeys([*self.info()["parameters"], *self.__dataclass_fields__])
+        refuse_unknown(type(self).__name__, values, names, port_names(self.inputs))
         self._change(values)
 
     def _change(self, values: dict[str, Any]) -> None:
-        """Let parameters that are set take effect; take them back if they are refused."""
+        """Apply changed parameters; restore the old ones if they are refused."""
         before = {name: getattr(self, name) for name in values}
         self.__dict__.update(values)
         try:
@@ -133,29 +132,29 @@ class Parametric(Block):
             raise
 
     def __repr__(self) -> str:
-        given = []
+        changed = []
         for name, parameter in inspect.signature(type(self)).parameters.items():
             value = getattr(self, name, parameter.default)
-            # by its text, because arrays do not compare to one value
+            # by its text, because comparing arrays gives an array
             if repr(value) != repr(parameter.default):
-                given.append(f"{name}={reprlib.repr(value)}")
-        return f"{type(self).__name__}({', '.join(given)})"
+                changed.append(f"{name}={reprlib.repr(value)}")
+        return f"{type(self).__name__}({', '.join(changed)})"
 
     @classmethod
     def info(cls) -> dict[str, Any]:
-        """Metadata of the block, as PathSim gives it, with the ports as PathView labels them."""
-        found = dict(super().info())
+        """PathSim's metadata of the block, with port labels that fit PathView."""
+        metadata = dict(super().info())
         for side in ("input_port_labels", "output_port_labels"):
-            found[side] = found[side] and {label(n): i for n, i in found[side].items()}
-        return found
+            metadata[side] = metadata[side] and {label(n): i for n, i in metadata[side].items()}
+        return metadata
 
     def __getitem__(self, key: Any) -> Any:
         names = self._ipython_key_completions_()
         for port in key if isinstance(key, (list, tuple)) else [key]:
             if isinstance(port, str) and port not in names:
                 close = nearest_ports(port, names)
-                known = did_you_mean(close) if close else f"; its ports are {', '.join(names)}."
-                message = f"{type(self).__name__} has no port {port!r}{known}"
+                hint = did_you_mean(close) if close else f"; its ports are {', '.join(names)}."
+                message = f"{type(self).__name__} has no port {port!r}{hint}"
                 refuse("port", port, f"{message} {self._further_ports(port)}".rstrip(". "))
         return super().__getitem__(key)
 
@@ -163,5 +162,5 @@ class Parametric(Block):
         return [*port_names(self.inputs), *port_names(self.outputs)]
 
     def _further_ports(self, port: str) -> str:
-        """How a block gets a port that it does not have, for the error that names it."""
+        """How to get a port that the block does not have yet, for the error message."""
         return ""

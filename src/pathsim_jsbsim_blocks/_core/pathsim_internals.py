@@ -1,7 +1,7 @@
 """All uses of PathSim's private names, in one place.
 
-`tests/core/test_pathsim_seam.py` has a test for each, which shows what a new version of PathSim has
-changed.
+`tests/core/test_pathsim_seam.py` has a test for each, which fails if a new version of PathSim
+changes it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from pathsim.utils.register import Register
 
 from .checks import did_you_mean, nearest_ports, refuse
 
-# the attribute of a block or a simulation that tells whether it is on
+# attribute of a block or a simulation: whether it is active
 ON = "_active"
 
 
@@ -41,7 +41,7 @@ def port_names(register: Register) -> dict[str, int]:
 
 
 def port_reader(register: Register, number: int) -> Callable[[], float]:
-    """A function that reads a port, whatever array the register then has."""
+    """A function that reads a port, even after the register has got a new array."""
     return lambda: register._data.item(number)
 
 
@@ -56,14 +56,14 @@ def own_events(subsystem: Subsystem) -> list[Event]:
 
 
 def flies_matrices(block: Block) -> bool:
-    """Whether a block is a linear model that its matrices describe; AntiWindupPID is another."""
+    """Whether a StateSpace is described by its matrices, unlike its subclass AntiWindupPID."""
     return isinstance(block, StateSpace) and (
         block.op_dyn._func.__code__ in StateSpace.__init__.__code__.co_consts
     )
 
 
 class NamedRegister(Register):
-    """Values by name; a name that does not exist is refused, where PathSim reads 0."""
+    """Values by name; an unknown name is refused (PathSim would read 0)."""
 
     __slots__ = ()
 
@@ -84,8 +84,8 @@ class NamedRegister(Register):
             return key
         if key not in self._mapping:
             close = nearest_ports(key, self._mapping)
-            known = did_you_mean(close) if close else f"; there is {', '.join(self._mapping)}"
-            refuse("port", key, f"no port {key!r}{known}")
+            hint = did_you_mean(close) if close else f"; there is {', '.join(self._mapping)}"
+            refuse("port", key, f"no port {key!r}{hint}")
         return self._mapping[key]
 
     def _ipython_key_completions_(self) -> list[str]:
@@ -99,7 +99,7 @@ class NamedRegister(Register):
 
 
 class WiredRegister(NamedRegister):
-    """Inputs that record the names of those that are connected: PathSim looks up their numbers."""
+    """Inputs that record which names are connected, when PathSim looks up their numbers."""
 
     __slots__ = ["wired"]
 
@@ -126,16 +126,16 @@ def run_loop(
 
 
 def is_dirty(sim: Simulation) -> bool:
-    """Whether blocks or connections have changed since the graph was made."""
+    """Whether blocks or connections have changed since the graph was built."""
     return sim._graph_dirty
 
 
-# blocks of a level of the graph, and its wires: connection, source, outputs, target, inputs
+# blocks of a level of the graph, and its signals: connection, source, outputs, target, inputs
 Level = tuple[list[Block], list[tuple[Connection, Block, Any, Block, Any]]]
 
 
 def levels(sim: Simulation) -> list[Level]:
-    """What an evaluation of a diagram without loops does, in its order."""
+    """The evaluation of a diagram without loops, in order."""
 
     def acts(block: Block) -> bool:
         own = getattr(block.update, "__func__", None) is not Block.update
@@ -152,7 +152,7 @@ def levels(sim: Simulation) -> list[Level]:
 
 def evaluate(levels: Sequence[Level], t: float) -> None:
     """Evaluate a diagram at ``t`` as PathSim does."""
-    # the truth value of a block and a connection is its `_active`
+    # `_active` directly: bool(block), which returns it, costs a call
     for blocks, moves in levels:
         for block in blocks:
             if block._active:
@@ -170,7 +170,7 @@ def sample(recorders: Sequence[Block], t: float, dt: float) -> None:
 
 
 def _moves(wire: Connection) -> list[tuple[Connection, Block, Any, Block, Any]]:
-    """The values that a connection moves: ports in a row at once, others one by one."""
+    """The values that a connection copies: consecutive ports as a slice, others one by one."""
     source = wire.source
     moves: list[tuple[Connection, Block, Any, Block, Any]] = []
     i = [int(port_number(source.block.outputs, port)) for port in source.ports]
@@ -187,9 +187,9 @@ def _moves(wire: Connection) -> list[tuple[Connection, Block, Any, Block, Any]]:
 def each_sample(
     sim: Simulation, take: Callable[[float], None]
 ) -> contextlib.AbstractContextManager[Any]:
-    """Context in which ``take(t)`` is called when ``sim`` has sampled.
+    """Context in which ``take(t)`` is called after ``sim`` has sampled.
 
-    It samples when a run begins and after every step that is not rejected.
+    It samples at the start of a run and after every accepted step.
     """
     usual = Simulation._sample
 
@@ -202,7 +202,7 @@ def each_sample(
 
 
 def show_edited(sim: Simulation, dt: float, levels: Sequence[Level]) -> None:
-    """Evaluate and sample a diagram that has stopped, as PathSim's loop does when a run begins."""
+    """Evaluate and sample a stopped diagram, as PathSim does at the start of a run."""
     update = partial(evaluate, levels) if levels else sim._update
     update(sim.time)
     for event, *_ in sim._detected_events(sim.time):
@@ -212,11 +212,11 @@ def show_edited(sim: Simulation, dt: float, levels: Sequence[Level]) -> None:
 
 
 def begin_stepping(sim: Simulation) -> None:
-    """Do in the first step of a diagram that is stepped by hand what a run does before it."""
+    """In the first step of a diagram that is stepped by hand, do what a run does at its start."""
     if not sim._sampling_enabled:
         return
     others = [event for event in sim._get_active_events() if not isinstance(event, Schedule)]
-    # nothing had been evaluated where the step has buffered them
+    # the step has buffered these events before any evaluation: evaluate, and buffer them again
     sim._update(sim.time)
     for event in others:
         event.buffer(sim.time)
@@ -226,7 +226,7 @@ def begin_stepping(sim: Simulation) -> None:
 
 
 def draw_first(block: Block) -> None:
-    """Repeat what PathSim's noise sources draw when they are built."""
+    """Repeat the draws that PathSim's noise sources make when they are built."""
     if isinstance(block, PinkNoise):
         block.reset()
     if isinstance(block, (PinkNoise, WhiteNoise)) and block.sampling_period is not None:

@@ -1,7 +1,7 @@
-"""PathSim's classes as type checkers see them.
+"""PathSim's classes, typed.
 
-PathSim has no types. Below a base of unknown type a dataclass would take any keyword, and checkers
-would report no misspelt parameter.
+PathSim has no types. With an untyped base, checkers would accept any keyword of a dataclass, and
+not report misspelt parameters.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     class Block:
-        """What the blocks of this package and their users use of `pathsim.blocks.Block`."""
+        """The members of `pathsim.blocks.Block` that this package and its users need."""
 
         input_port_labels: Mapping[str, int] | None
         output_port_labels: Mapping[str, int] | None

@@ -1,8 +1,8 @@
-"""Names of ports: in their order, and as PathView writes them."""
+"""Numbers of ports by their names, and their labels in PathView."""
 
 from __future__ import annotations
 
-# labels of the ports whose names PathView would cut, at 8 characters
+# labels of ports with names longer than 8 characters, which PathView would cut
 _LABELS = {
     "wind_north": "wind_N",
     "wind_east": "wind_E",
@@ -22,10 +22,10 @@ _LABELS = {
 
 
 def label(port: str) -> str:
-    """What PathView writes at a port: its name, or a shorter label."""
+    """PathView's label of a port: its name, or a shorter label."""
     return _LABELS.get(port, port)
 
 
 def numbered(names: str) -> dict[str, int]:
-    """Port labels from names with spaces between them, in their order."""
+    """Port labels from names separated by spaces, in order."""
     return {name: i for i, name in enumerate(names.split())}

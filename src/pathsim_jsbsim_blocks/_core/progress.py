@@ -15,18 +15,18 @@ _BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} s in {elapsed}, {rate_noinv_fmt}"
 _SECONDS_BEFORE_BAR = 2.0
 
 
-def progress_bar(duration: float, shown: bool | None = None) -> tqdm:
+def progress_bar(duration: float, visible: bool | None = None) -> tqdm:
     """A bar on stderr for a run of ``duration`` in s; default after 2 s, on a terminal."""
-    if shown is not None:
-        flag("progress", shown)
+    if visible is not None:
+        flag("progress", visible)
     return _bar_class()(
         total=duration,
         unit=" s",
         bar_format=_BAR,
         leave=False,
-        delay=0.0 if shown else _SECONDS_BEFORE_BAR,
+        delay=0.0 if visible else _SECONDS_BEFORE_BAR,
         # without a console (pythonw) there is no stderr
-        disable=sys.stderr is None or (None if shown is None else not shown),
+        disable=sys.stderr is None or (None if visible is None else not visible),
     )
 
 

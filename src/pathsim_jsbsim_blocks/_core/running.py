@@ -19,10 +19,10 @@ from .wiring import warn_of_wiring
 # relative; a step count this close to a whole number is rounded to it
 _ROUNDING = 1e-9
 
-# steps between two looks at the progress
+# steps between two updates of the progress bar
 _AT_ONCE = 100
 
-# ``fly``: what is called in place of `fly` in this thread, with it and its arguments
+# ``fly``: a function called instead of `fly` in this thread, with `fly` and its arguments
 in_place = threading.local()
 
 
@@ -32,10 +32,11 @@ def fly(
     """Run a diagram as ``sim.run(duration, reset)`` does, in less time.
 
     The trajectory is the same, bit for bit. Fixed steps are counted: 3600 s at 120 Hz are 432,000
-    steps, and rounding makes ``run`` take one more. A step of a diagram without continuous states,
-    algebraic loops and other events than those of a schedule is made by one loop over the sampled
-    blocks, the levels of the graph and the recorders; all others are PathSim's own. That loop
-    evaluates each block once per step, ``run`` twice: functions that count their calls see that.
+    steps, whereas rounding makes ``run`` take one more. If a diagram has no continuous states, no
+    algebraic loops and no events besides scheduled ones, a step is one loop over the sampled
+    blocks, the levels of the graph and the recorders; all other steps are PathSim's own. That loop
+    evaluates each block once per step, ``run`` twice, which matters only to functions that count
+    their calls.
 
     Parameters
     ----------
@@ -46,18 +47,18 @@ def fly(
     reset : bool
         start again from the initial state
     progress : bool, optional
-        show a progress bar on stderr, with simulated time, real time and their ratio; default is
-        after 2 s where stderr is a terminal
+        show a progress bar on stderr, with simulated time, real time and their ratio; by default
+        after 2 s if stderr is a terminal
 
     Returns
     -------
     dict
-        what ``run`` returns: "total_steps", "successful_steps", "runtime_ms"
+        as from ``run``: "total_steps", "successful_steps", "runtime_ms"
 
     Warns
     -----
     RuntimeWarning
-        of what looks like a mistake in the wiring
+        for probable mistakes in the connections
 
     Raises
     ------
@@ -82,13 +83,13 @@ def _fly(sim: Simulation, duration: float, reset: bool, progress: bool | None) -
     with tracker, progress_bar(duration, progress) as bar:
         adaptive = sim.engine.is_adaptive
         loop = pathsim_internals.run_loop(sim, duration, reset, adaptive, tracker)
-        for made in loop:
+        for step in loop:
             bar.update(sim.time - start - bar.n)
             if not adaptive:
-                # PathSim's loop has made the start and the first step, with the step of the run:
-                # sim.dt may be another one since
+                # PathSim's loop has done the start and the first step; its dt is the run's step,
+                # even if sim.dt has changed since
                 loop.close()
-                dt, stats = made["dt"], tracker.stats
+                dt, stats = step["dt"], tracker.stats
                 left = math.ceil(duration / dt * (1 - _ROUNDING)) - 1
                 steps = Steps(sim, dt)
                 while left and sim:
@@ -119,37 +120,37 @@ def watched_run(
 
 
 class Steps:
-    """Fixed steps of a simulation, made as `Simulation.timestep` makes them."""
+    """Fixed steps of a simulation, with the results of `Simulation.timestep`."""
 
     def __init__(self, sim: Simulation, dt: float):
         self._sim, self._dt = sim, dt
         self._look()
 
     def make(self, count: int) -> int:
-        """Make so many steps; tells how many were made before the simulation was stopped."""
-        sim, made = self._sim, 0
+        """Make ``count`` steps; return the number made before the simulation was stopped."""
+        sim, steps = self._sim, 0
         try:
-            while made < count and sim:
+            while steps < count and sim:
                 if sim.graph is self._graph and self._flat:
-                    made += self._make_flat(count - made)
-                    if made == count or not sim:
+                    steps += self._make_flat(count - steps)
+                    if steps == count or not sim:
                         break
                 sim.timestep(self._dt, adaptive=False)
-                made += 1
+                steps += 1
                 if sim.graph is not self._graph:
                     self._look()
         except StopSimulation as stop:
             sim.logger.info(f"STOP (StopSimulation: '{stop}')")
             sim.stop()
-        return made
+        return steps
 
     def show(self) -> None:
-        """Show what follows from the values as they are now."""
+        """Update outputs and recordings after values have been edited."""
         current = self._sim.graph is self._graph and not pathsim_internals.is_dirty(self._sim)
         pathsim_internals.show_edited(self._sim, self._dt, self._levels if current else [])
 
     def _look(self) -> None:
-        """Take the order of blocks and connections from the simulation's graph."""
+        """Read the order of blocks and connections from the simulation's graph."""
         sim = self._sim
         self._graph = sim.graph
         self._sampled = [(b, b.clock) for b in sim.blocks if isinstance(b, SampledBlock)]
@@ -169,13 +170,13 @@ class Steps:
         self._levels = pathsim_internals.levels(sim) if self._flat else []
 
     def _make_flat(self, count: int) -> int:
-        """Make steps until there is something else in one; tells how many were made."""
-        sim, dt, graph, made = self._sim, self._dt, self._graph, 0
+        """Make steps until one needs PathSim's own loop; return the number made."""
+        sim, dt, graph, steps = self._sim, self._dt, self._graph, 0
         evaluate, sample = pathsim_internals.evaluate, pathsim_internals.sample
         is_dirty = pathsim_internals.is_dirty
         eventful, levels, recorders = self._eventful, self._levels, self._recorders
         sampled = self._sampled
-        while made < count and sim and sim.graph is graph and not is_dirty(sim):
+        while steps < count and sim and sim.graph is graph and not is_dirty(sim):
             t = sim.time + dt
             if sim.diagnostics is not None:
                 break
@@ -189,11 +190,11 @@ class Steps:
             evaluate(levels, t)
             sample(recorders, t, dt)
             sim.time = t
-            made += 1
-        return made
+            steps += 1
+        return steps
 
     def _other_due(self, t: float) -> bool:
-        """Whether an event may come in the step from ``t``, or must be watched."""
+        """Whether an event may occur in the step from ``t``, or must be monitored."""
         until = self._dt + 1e-6 * self._dt + 1e-9 * abs(t)
         return any(
             event and not (isinstance(event, Schedule) and event.estimate(t) > until)
@@ -203,9 +204,9 @@ class Steps:
 
 
 class SteppedRun:
-    """A run from the initial state, made in pieces; in between, values may be edited.
+    """A run from the initial state in several parts, between which values may be edited.
 
-    Each piece is what ``sim.run(count * sim.dt)`` makes, bit for bit. The simulation, with a fixed
+    Each part equals ``sim.run(count * sim.dt)`` bit for bit. The simulation, which needs a fixed
     step, is reset.
     """
 
@@ -216,7 +217,7 @@ class SteppedRun:
         self.show = self._steps.show
 
     def run(self, count: int) -> bool:
-        """Make a piece of ``count`` steps, and tell whether nothing has stopped the diagram."""
+        """Make ``count`` steps; return whether the diagram is still active."""
         try:
             self.show()
         except StopSimulation:

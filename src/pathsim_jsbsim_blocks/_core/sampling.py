@@ -2,28 +2,28 @@
 
 PathSim makes a step in this order: ``buffer`` of every event; the solver's stages, if the diagram
 has continuous states; an evaluation of all blocks at the end of the step; ``detect`` of every
-event, and for each that is found ``resolve`` and another evaluation; ``sample`` of every block.
-A run begins with an evaluation, ``detect`` and ``sample``. A step may be rejected, or ended by
-Ctrl-C, and repeated, and a diagram is evaluated between runs too (`to_statespace`, plots). A
-sampled block must act once at each instant ``t_k = start + k T``, and nowhere else:
+event, and for each detected event ``resolve`` and another evaluation; ``sample`` of every block.
+A run begins with an evaluation, ``detect`` and ``sample``. A step may be rejected, or interrupted
+by Ctrl-C, and repeated, and a diagram is also evaluated between runs (`to_statespace`, plots). A
+sampled block must act once at each instant ``t_k = start + k T``, and at no other time:
 
 - `SampledPlant` reads its inputs at t_k, holds them over [t_k, t_k+1) and shows its new outputs at
-  t_k+1: no direct feed-through. It reads its inputs in ``sample``, where they are final.
+  t_k+1: no direct feed-through. It reads its inputs in ``sample``, when they are final.
 - `SampledLaw` computes its outputs at t_k from its inputs at t_k and holds them: direct
-  feed-through at the instants. Each evaluation there computes it again, from the state before the
+  feed-through at the instants. Each evaluation at t_k repeats this from the state before the
   instant, so that the order of blocks does not matter.
 
 A solver's stage at t_k belongs to the time before. So a clock is open from its tick, an event, to
-``sample``. A step without stages has one evaluation, at its end, and clocks are open from its
-start: this saves an evaluation per block, and a ZeroCrossing sees the change. Not with an adaptive
-solver, whose search for a crossing would not end at a jump.
+``sample``. A step without stages has one evaluation, at its end, so clocks are open from its start:
+this saves an evaluation per block, and a ZeroCrossing detects the change. This is not done with an
+adaptive solver, whose search for a crossing would not end at a jump.
 
-What a step computes at t_k stands beside what holds before t_k (`SampleClock.ahead`, ``now``) until
-a step or a run of PathSim's starts at t_k or later. Where one starts earlier, the step to t_k was
-not completed, and it is repeated from what holds before t_k.
+The results of a step at t_k (`SampleClock.ahead`) are stored beside those before t_k (``now``)
+until PathSim starts a step or a run at t_k or later. If one starts earlier, the step to t_k was not
+completed, and is repeated from ``now``.
 
-What enters a subsystem from outside reaches the blocks inside one evaluation late, for each level
-of subsystems. `Settling` asks for so many more, after all ticks.
+A signal into a subsystem reaches the blocks inside one evaluation late per level of subsystems.
+`Settling` requests these further evaluations, after all ticks.
 """
 
 from __future__ import annotations
@@ -50,8 +50,8 @@ from .wiring import name_of
 # s; catches typos such as T=1e-9
 SHORTEST_PERIOD = 1e-6
 
-# PathSim resolves the events of a step in the order of their place in it: other events at the same
-# time come after the tick
+# PathSim resolves the events of a step by their relative time in it; with this one, other events
+# at the same time follow the tick
 _BEFORE_OTHERS = math.nextafter(1.0, 0.0)
 
 _NOT_DETECTED = False, False, 1.0
@@ -64,13 +64,13 @@ def _period(T: Any) -> float:
 class Settling(Event):
     """Further evaluations after the ticks of a step, for the blocks in subsystems.
 
-    There is one for each simulation; a block has it in its events once for each subsystem around.
-    The evaluation before PathSim asks all events clears both counts: an interrupt leaves nothing.
+    One per simulation; a block lists it among its events once per enclosing subsystem. The
+    evaluation before PathSim detects events clears both counts, so an interrupt leaves no trace.
 
     Attributes
     ----------
     depth, asked : int
-        evaluations that the blocks need, and those that were asked for
+        evaluations that the blocks need, and those requested already
     """
 
     depth = asked = 0
@@ -84,7 +84,7 @@ class Settling(Event):
         """An evaluation follows every event."""
 
     def off(self) -> None:
-        """The other blocks still need it."""
+        """No action: the other blocks still need it."""
 
 
 # by the engine of the simulation, which PathSim gives to each of its blocks
@@ -92,27 +92,27 @@ _settling: WeakKeyDictionary[Any, Settling] = WeakKeyDictionary()
 
 
 class SampleClock(Schedule):
-    """The instants of a block, counted by an integer, and what was computed at them.
+    """The instants of a block, counted by an integer, and the results at them.
 
     Attributes
     ----------
     start, period : float
         time of instant 0 and T, s
     now : tuple
-        what holds before the next instant: its index, the outputs, and what `SampledPlant` holds
-        or the state of a `SampledLaw`. One assignment, which no interrupt can split
+        values before the next instant: its index, the outputs, and the held inputs of a
+        `SampledPlant` or the state of a `SampledLaw`. One assignment, which no interrupt can split
     ahead : tuple or None
-        the same from the next instant on, where a step has reached it
+        likewise for the next instant, if its tick was resolved but ``sample`` has not run
     due, end, slack : float
-        evaluations from ``due`` to ``end`` are at the next instant, s; how far the diagram's time,
-        to which PathSim adds dt at each step, may be from it, s
+        evaluations from ``due`` to ``end`` are at the next instant, s; tolerance for the rounding
+        of the diagram's time, a sum of steps, s
     reached : float
-        time at which the block was last sampled, or from which a step starts, s; -inf where a run
-        has only begun, nan before the block is asked
+        time at which the block was last sampled, or from which a step starts, s; -inf if a run
+        has only begun, nan before the first event
     stepping : bool
         whether a step has started there, and has not sampled the block
     open : bool
-        whether the block acts where it is evaluated at the next instant
+        whether an evaluation at the next instant makes the block act
     at_end : bool
         whether a step without stages is evaluated at its end only
     depth : int
@@ -123,7 +123,7 @@ class SampleClock(Schedule):
 
     def __init__(self, block: SampledBlock):
         super().__init__(t_period=block.T)
-        # here, because every step changes them: setting an attribute of a block is checked
+        # not in the block, where setting an attribute is slower: every step changes them
         self.block, self.depth, self.at_end = block, 0, False
         self.settling: Any = None
         self.reset()
@@ -138,13 +138,13 @@ class SampleClock(Schedule):
         self._set((0, None, None))
 
     def _set(self, now: tuple[int, Any, Any]) -> None:
-        """Go on from ``now``, at any time."""
+        """Continue from ``now``, at any time."""
         self.ahead: Any = None
         self.now = now
         self.leave()
 
     def _keep(self) -> None:
-        """What was sampled is final: wait for the next instant."""
+        """Make the last sample final and wait for the next instant."""
         if self.ahead and self.reached >= self.due:
             self.now, self.ahead = self.ahead, None
         time, most = self.start + self.now[0] * self.period, 0.01 * self.period
@@ -162,7 +162,7 @@ class SampleClock(Schedule):
 
     @property
     def latest(self) -> tuple[int, Any, Any]:
-        """What holds after the instant at which the block was last sampled."""
+        """Values after the instant at which the block was last sampled."""
         return self.ahead if self.ahead and self.reached >= self.due else self.now
 
     def count(self, t: float) -> int:
@@ -170,15 +170,15 @@ class SampleClock(Schedule):
         return 1 + int((t - self.due) / self.period)
 
     def leave(self) -> None:
-        """The block comes into a simulation, at any time."""
+        """Called when the block is added to a simulation, at any time."""
         self._keep()
         self.reached, self.stepping, self.open = math.nan, False, False
 
     def join(self, t: float) -> None:
-        """What was sampled up to ``t`` is final.
+        """Make samples up to ``t`` final.
 
-        The block counts from ``t`` on where that is no time of its own: its flight begins, it was
-        switched off for a while, or it comes from another simulation.
+        The block restarts its count at ``t`` if that does not follow its last instant: its flight
+        begins, it was switched off for a while, or it comes from another simulation.
         """
         if t >= self.due:
             self._keep()
@@ -195,20 +195,20 @@ class SampleClock(Schedule):
         self.reached, self.stepping, self.open = t, True, self.at_end
 
     def _begin(self, t: float) -> None:
-        """Sample at ``t``, from which the diagram is stepped without a run."""
+        """Sample at ``t``, the start of a step that belongs to no run."""
         block = self.block
         if not self.reached > -math.inf:
             if not block._engine.history:
                 begin_stepping(calling_simulation(block._engine))
             else:
-                # the block was switched on, or has come into the diagram, in a run
+                # the block was switched on, or added to the diagram, during a run
                 self.join(t)
                 self.reached, self.open = -math.inf, True
                 block.update(t)
                 block.sample(t, 0.0)
         if not t <= self.reached:
-            why = f"{name_of(block)} is not sampled at {t:.9g} s, from which the diagram goes on: "
-            refuse("pss", t, f"{why}Simulation.pss flies no {type(block).__name__}")
+            why = f"{name_of(block)} was not sampled at {t:.9g} s, where the diagram continues: "
+            refuse("pss", t, f"{why}Simulation.pss cannot fly a {type(block).__name__}")
 
     def estimate(self, t: float) -> float:
         self.join(t)
@@ -217,7 +217,7 @@ class SampleClock(Schedule):
     def detect(self, t: float) -> tuple[bool, bool, float]:
         begins = not (self.stepping and self.reached < t)
         if begins:
-            # a run, maybe after one that ended within a step
+            # a run begins, maybe after one that ended within a step
             self.join(t)
             self.open = False
             if math.isnan(self.reached):
@@ -245,7 +245,7 @@ class SampleClock(Schedule):
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:
         period, kind = json_data["period"], type(self.block).__name__
         if period != self.period:
-            why = f"the checkpoint is of a {kind} with T = {period!r}, this one has T = "
+            why = f"the checkpoint is of a {kind} with T = {period!r}, but this one has T = "
             refuse("T", self.period, f"{why}{self.period!r}")
         super().load_checkpoint(prefix, json_data, npz)
         self.start = json_data["start"]
@@ -253,7 +253,7 @@ class SampleClock(Schedule):
 
 
 def _plain(value: Any) -> Any:
-    """A state as JSON has it: a tuple as a list, with the name of its class first."""
+    """A state for JSON: a tuple as a list, with the name of its class first."""
     if not isinstance(value, tuple):
         return value
     kind = type(value)
@@ -268,7 +268,7 @@ def _rebuilt(value: Any) -> Any:
     if kind is tuple:
         return tuple(parts)
     if not (isinstance(kind, type) and issubclass(kind, tuple)):
-        why = f"the checkpoint is of another version: there is no state {name} in {module}"
+        why = f"the checkpoint is of another version: {module} has no state {name}"
         refuse("checkpoint", name, why)
     return kind(*parts)
 
@@ -287,14 +287,14 @@ class SampledBlock(Block):
         self.events: list[Event] = [self.clock]
 
     def linearize(self, t: float) -> Any:
-        """Refused: a sampled block goes on sampling. `to_statespace` gives its linear model."""
+        """Refused: a sampled block keeps sampling. `to_statespace` gives its linear model."""
         raise LinearizationError(
-            f"{type(self).__name__} samples, and has no linear stand-in to run in its place: "
+            f"{type(self).__name__} is sampled and cannot run as a linear block: "
             "to_statespace gives the linear model of the diagram"
         )
 
     def set_solver(self, Solver: Any, parent: Any, **solver_args: Any) -> None:
-        """PathSim calls this when the block comes into a simulation, with that one's engine."""
+        """Called by PathSim when the block is added to a simulation, with its engine."""
         clock = self.clock
         clock.leave()
         if parent is self._engine:
@@ -310,7 +310,7 @@ class SampledBlock(Block):
         """Called when a run begins."""
 
     def _act(self, t: float) -> tuple[int, Any, Any]:
-        """What holds from the next instant on, and from all others up to ``t``."""
+        """Act at the next instant, and all others up to ``t``; return index, outputs and state."""
         raise NotImplementedError
 
     def update(self, t: float) -> None:
@@ -322,7 +322,7 @@ class SampledBlock(Block):
             y = clock.ahead[1]
         else:
             if t <= clock.reached:
-                # the first stage: there are others, maybe at the step's end
+                # the first stage of a step; others follow, maybe at the step's end
                 clock.open = False
             y = clock.now[1] if t < clock.due else clock.latest[1]
         if y is not None:
@@ -330,19 +330,19 @@ class SampledBlock(Block):
 
     def sample(self, t: float, dt: float) -> None:
         clock = self.clock
-        # a block that comes in within a step begins with the next one
+        # a block added within a step begins with the next one
         if clock.stepping or not math.isnan(clock.reached):
             clock.reached, clock.stepping, clock.open = t, False, False
 
     def _late(self, t: float) -> int:
-        """Number of instants up to ``t``, of which there are several; warn once."""
+        """Number of instants up to ``t``, more than one; warn once."""
         clock = self.clock
         if not self._warned:
             self._warned = True
             warn_user(
                 f"{type(self).__name__} samples every {clock.period:.9g} s, but the diagram's "
-                f"step to {t:.9g} s jumps over a sample instant: time is kept, but the inputs "
-                "there are not known. Use a dt that divides T."
+                f"step to {t:.9g} s jumps over a sample instant: time stays correct, but inputs "
+                "are updated only at steps. Use a dt that divides T."
             )
         return clock.count(t)
 
@@ -374,7 +374,7 @@ class SampledPlant(SampledBlock):
         show(self.outputs, y)
 
     def latch(self, t: float) -> list[float]:
-        """The inputs at ``t``, held from now on."""
+        """The inputs at ``t``, to be held."""
         return values(self.inputs)
 
     def advance(self, index: int, u: list[float]) -> list[float]:
@@ -389,7 +389,7 @@ class SampledPlant(SampledBlock):
         k, y, u = clock.now
         i, end = k, k + (1 if t <= clock.due + 2 * clock.slack else self._late(t))
         if clock.ahead:
-            # a step that was rejected or interrupted has advanced it
+            # a rejected or interrupted step has advanced it already
             i, y, _ = clock.ahead
         while i < end:
             if i:
@@ -404,10 +404,10 @@ class SampledPlant(SampledBlock):
             i, y, _ = clock.ahead
             clock.ahead = i, y, self.latch(t)
         elif not (clock.stepping and clock.reached < t) and clock.at_latest(t):
-            # a run begins at an instant: values may have been edited since the last one
+            # a run begins at an instant: values may have been edited since the last run
             i, y, _ = clock.now
             clock.now = i, y, self.latch(t)
-        # as `SampledBlock.sample`, whose call takes as long as this
+        # as in `SampledBlock.sample`; calling it would double the time
         if clock.stepping or not math.isnan(clock.reached):
             clock.reached, clock.stepping, clock.open = t, False, False
 
@@ -435,25 +435,25 @@ class SampledLaw(Parametric, SampledBlock):
         self.clock.now = 0, None, self.initial_state()
 
     def _needed(self) -> tuple[str, ...]:
-        """Inputs that must be connected, given the others that are."""
+        """Inputs that must be connected; it may depend on which others are."""
         return self.measured
 
     def _run_begins(self) -> None:
-        """Warn once of inputs that must be connected and are not."""
+        """Warn once about unconnected inputs that must be connected."""
         if self._wires_seen:
             return
         self._wires_seen = True
         missing = [name for name in self._needed() if name not in self.inputs.wired]
         if missing:
             warn_user(
-                f"{type(self).__name__} measures 0 where no wire comes in: {', '.join(missing)}"
+                f"{type(self).__name__} measures 0 at unconnected inputs: {', '.join(missing)}"
             )
 
     def _configure(self) -> None:
         super()._configure()
         present = self.clock.period
         if self.events and (asked := _period(self.T)) != present:
-            # it acts at the next reset, and is tried now
+            # a new T acts at the next reset; building with it now detects errors
             try:
                 self.clock.period = asked
                 self.build()
@@ -490,23 +490,23 @@ class SampledLaw(Parametric, SampledBlock):
     def to_statespace(self, t: float) -> Matrices:
         """A, B, C, D of the continuous equivalent about the present state, without the hold.
 
-        A LinearizationError tells where there is none, a warning where the law is at a limit.
+        A LinearizationError is raised if none exists; a warning is given if the law is at a limit.
         """
         u, (k, _, state) = values(self.inputs), self.clock.latest
         if k == 0:
-            # bumpless: the first sample engages the law where it is
+            # the first sample engages the law, without a bump, at the present values
             _, state = self.law(u, state)
         name = type(self).__name__
         model = continuous_equivalent(self.law, u, state, self.clock.period, name)
         inputs, outputs = port_names(self.inputs), port_names(self.outputs)
-        # a reference has a parameter of its name
+        # references are the inputs with a parameter of the same name
         references = {n: i for n, i in inputs.items() if n in vars(self._checked)}
         commands = {n: outputs[n] for n in self.commands or [*outputs][:1]}
         with warnings.catch_warnings():
-            # what a block warns of once, its copy would here
+            # the copy would repeat warnings that the block has issued already
             warnings.simplefilter("ignore")
             idle = at_limit(copy(self).law, u, state, model, references, commands)
         if idle:
-            why = f"{name} is at a limit, a ramp or a stop: in its linear model there "
-            warn_user(f"{why}{' and '.join(idle)} does not act")
+            why = f"{name} is at a limit or on a ramp: in its linear model "
+            warn_user(f"{why}{' and '.join(idle)} has no effect")
         return model

@@ -1,4 +1,4 @@
-"""What a scope has recorded, and how its signals are labelled."""
+"""Recordings of scopes, and the labels of their signals."""
 
 from __future__ import annotations
 
@@ -16,14 +16,16 @@ if TYPE_CHECKING:
 
 def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
     """Times and values, one row for each signal; refused if nothing was recorded."""
-    from pathsim.blocks import Scope  # a trim does without PathSim
+    from pathsim.blocks import Scope  # imported late: a trim does not need PathSim
 
     if not isinstance(scope, Scope):
-        refuse("scope", scope, f"a Scope or a FlightRecorder is needed, not {reprlib.repr(scope)}")
+        refuse(
+            "scope", scope, f"scope must be a Scope or FlightRecorder, not {reprlib.repr(scope)}"
+        )
     time, data = scope.read()
     if time is None:
-        refuse("scope", scope, "the scope holds no recording: run the simulation first")
-    # an interrupt may come between a sample's time and its values
+        refuse("scope", scope, "the scope has no recording: run the simulation first")
+    # Ctrl-C may have stopped a scope between storing a time and its values
     n = min(len(time), data.shape[1])
     return time[:n], data[:, :n]
 
@@ -35,5 +37,5 @@ def signal_label(scope: Scope, i: int) -> str:
 
 def name_and_unit(text: str) -> tuple[str, str]:
     """Name and unit of a label of the form ``"pitch angle [deg]"``."""
-    found = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]\s*", text)
-    return (found[1], found[2]) if found else (text, "")
+    match = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]\s*", text)
+    return (match[1], match[2]) if match else (text, "")

@@ -24,11 +24,11 @@ from .wiring import contents
 
 
 class Seeding:
-    """Context in which one seed decides all random numbers of a diagram.
+    """Context in which one seed determines all random numbers of a diagram.
 
     Python's and NumPy's global generators, from which blocks of PathSim draw, are seeded with it
-    and restored at the end. Blocks that have a seed or a generator of their own get theirs from
-    `seed_blocks`. At the end ``used`` tells whether anything was drawn from what was seeded.
+    and restored at the end. Blocks with their own seed or generator are seeded by `seed_blocks`. At
+    the end ``used`` tells whether any random number was drawn.
     """
 
     def __init__(self, seed: int):
@@ -38,7 +38,7 @@ class Seeding:
     def __enter__(self) -> Seeding:
         self._usual = random.getstate(), np.random.get_state()  # noqa: NPY002
         random.seed(self.seed)
-        # of 32 bits at most; seeds may have more
+        # words of 32 bits, because a seed may be larger than NumPy accepts
         words = np.random.SeedSequence(self.seed).generate_state(4)
         np.random.seed(words)  # noqa: NPY002
         self._before = self._state()
@@ -58,10 +58,10 @@ class Seeding:
         with patch.object(random, "seed", ignored), patch.object(np.random, "seed", ignored):
             yield
 
-    def seed_blocks(self, sim: Simulation, given: Collection[Any] = ()) -> None:
-        """Give each block but those of ``given`` its own seed, in the diagram's order."""
+    def seed_blocks(self, sim: Simulation, exceptions: Collection[Any] = ()) -> None:
+        """Give each block except ``exceptions`` its own seed, in the diagram's order."""
         self._look()
-        self._blocks += seed_blocks(random_blocks(sim), self.seed, given)
+        self._blocks += seed_blocks(random_blocks(sim), self.seed, exceptions)
         self._before = self._state()
 
     def _look(self) -> None:
@@ -98,12 +98,14 @@ def draws_from_shared(block: Any) -> bool:
     return isinstance(block, _SHARED)
 
 
-def seed_blocks(blocks: Sequence[Block], seed: int, given: Collection[Any] = ()) -> list[Block]:
-    """Give each block but those of ``given`` its own seed; returns those that have got one."""
+def seed_blocks(
+    blocks: Sequence[Block], seed: int, exceptions: Collection[Any] = ()
+) -> list[Block]:
+    """Give each block except ``exceptions`` its own seed; return the seeded blocks."""
     seeded = []
     children = np.random.SeedSequence(seed).spawn(len(blocks))
     for block, child in zip(blocks, children, strict=True):
-        if not any(block is x for x in given):
+        if not any(block is x for x in exceptions):
             _seed(block, int(child.generate_state(1)[0]))
             seeded.append(block)
     return seeded

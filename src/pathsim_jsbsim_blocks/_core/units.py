@@ -18,7 +18,7 @@ KNOT = _MILE / 3600 / FOOT  # ft/s
 _POUND = 0.45359237  # kg
 _GRAVITY = 9.80665  # m/s2
 RHO0 = 0.0023769  # slug/ft3, standard air at sea level (US Standard Atmosphere, 1976)
-GRAVITY = 32.174  # ft/s2, rounded as textbooks of flight dynamics have it
+GRAVITY = 32.174  # ft/s2, rounded as in textbooks of flight dynamics
 _POUND_FORCE = _POUND * _GRAVITY  # N
 _SLUG = _POUND_FORCE / FOOT  # kg
 
@@ -59,12 +59,12 @@ UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "min": 60.0, "h": 3600.0},
 }
 
-# what is added to give K
+# added to the scaled value to give K
 _OFFSETS = {"degC": 273.15, "degF": 459.67 * 5 / 9}
 
 _DIMENSION = {unit: dimension for dimension, units in UNITS.items() for unit in units}
 
-# how others write them, for the message
+# other spellings of units, for the error's suggestion
 _ELSEWHERE = {
     "feet": "ft",
     "fpm": "ft/min",

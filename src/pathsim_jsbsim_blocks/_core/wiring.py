@@ -1,6 +1,6 @@
-"""Mistakes in the wiring of a diagram, named by block and port.
+"""Mistakes in the connections of a diagram, named by block and port.
 
-PathSim runs on with these.
+PathSim runs diagrams with such mistakes without a warning.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from pathsim.utils.register import Register
 from .callers import frames, is_users, warn_user
 from .pathsim_internals import is_dirty, port_names
 
-# those of which nothing has to be said again; a changed diagram has another
+# graphs that were checked already; a changed diagram has a new graph
 _checked: WeakSet[Graph] = WeakSet()
 
 
 def warn_of_wiring(sim: Simulation) -> None:
-    """Warn, at the user's line, of what looks like a mistake in the wiring of a diagram.
+    """Warn, at the user's line, about probable mistakes in the connections of a diagram.
 
-    That is a wired block that is not in the simulation, two wires into one port, an input without
-    a wire whose 0 is a value of its own, a command or a wind that goes nowhere, and commands with
-    the gains of another aircraft. `fly`, the command line, ``load_diagram``, batches, environments
-    and the export call this.
+    These are a connected block that is not in the simulation, two connections to one port, an
+    unconnected input that must not read 0, an unconnected command or wind, and commands with the
+    gains of another aircraft. `fly`, the command line, ``load_diagram``, batches, environments and
+    the export call this.
 
     Warns
     -----
@@ -44,59 +44,60 @@ def warn_of_wiring(sim: Simulation) -> None:
 
 def _mistakes(sim: Simulation) -> Iterator[str]:
     blocks, connections = contents(sim)
-    known = {id(block) for block in blocks}
+    ids = {id(block) for block in blocks}
     starts: set[tuple[int, int]] = set()
     ends: dict[tuple[int, int], tuple[Block, int]] = {}
     leads: dict[Block, list[tuple[int, Block, int]]] = defaultdict(list)
-    # what enters a subsystem comes out of its interface, and the reverse, at the same port
+    # a subsystem's inputs are its interface's outputs, and the reverse, with the same numbers
     faces = {b: b.interface for b in blocks if isinstance(b, Subsystem)}
     faces |= {inside: box for box, inside in faces.items()}
     for connection in connections:
         for source, i, target, j in _wires(connection):
             starts.add((id(source), i))
             if not (connection and source):
-                continue  # switched off: another wire may take its place
+                continue  # switched off: another connection may replace it
             leads[source].append((i, faces.get(target, target), j))
             for block in (source, target):
-                if id(block) not in known:
-                    known.add(id(block))
+                if id(block) not in ids:
+                    ids.add(id(block))
                     wire = (
                         f"{_port(source, i, source.outputs)} to {_port(target, j, target.inputs)}"
                     )
                     yield (
-                        f"{name_of(block)} is wired ({wire}), but it is not among the blocks of "
-                        "the simulation: it does nothing"
+                        f"{name_of(block)} is connected ({wire}), but not among the blocks of "
+                        "the simulation: it has no effect"
                     )
             other, k = ends.setdefault((id(target), j), (source, i))
             if (other, k) != (source, i):
-                # by name and by number; the same words twice PathSim refuses
+                # by name and by number; PathSim itself refuses the same key twice
                 yield (
-                    f"two wires lead into {_port(target, j, target.inputs)}, from "
+                    f"two connections lead to {_port(target, j, target.inputs)}, from "
                     f"{_port(other, k, other.outputs)} and {_port(source, i, source.outputs)}: "
                     "use an Adder. One of them has no effect"
                 )
     for block in blocks:
         for i in _numbers(getattr(block, "_places", ()), block.inputs):
             if (id(block), i) not in ends:
-                yield f"{_port(block, i, block.inputs)} is 0: no wire leads to it"
+                yield f"{_port(block, i, block.inputs)} is not connected and reads 0"
         commands: Mapping[str, str] = getattr(block, "commands", {})
         for command, switch in commands.items():
             (i,), wired = _numbers([command], block.outputs), {j for b, j in ends if b == id(block)}
             if (id(block), i) not in starts and not wired & {*_numbers([switch], block.inputs)}:
-                yield f"{_port(block, i, block.outputs)} goes nowhere: no wire leads from it"
+                port = _port(block, i, block.outputs)
+                yield f"{port} is not connected: the command has no effect"
         if models := getattr(block, "tuned_for", ()):
             for plane in _flown(leads, faces, block, _numbers(commands, block.outputs)):
                 if plane.model_name not in models:
                     whose = f"{name_of(block)} has the gains of {' and '.join(models)}"
                     yield f"{whose}, but flies {name_of(plane)}, which is {plane.model_name}"
         if getattr(block, "is_wind", False) and not any(b == id(block) for b, _ in starts):
-            yield f"{name_of(block)} blows nowhere: no wire leads from it"
+            yield f"{name_of(block)} is not connected: the wind has no effect"
 
 
 def _flown(leads: Any, faces: Any, block: Block, ports: list[int]) -> list[Any]:
-    """The aircraft that outputs of a block lead to, through others without gains."""
+    """The aircraft connected to outputs of a block, directly or through blocks without gains."""
     reached = [(target, j) for i, target, j in leads[block] if i in ports]
-    for other, port in reached:  # it grows
+    for other, port in reached:  # the list grows in the loop
         if not (hasattr(other, "model_name") or hasattr(other, "tuned_for")):
             ways = [(b, j) for i, b, j in leads[other] if other not in faces or i == port]
             reached += [way for way in ways if way not in reached]
@@ -104,7 +105,7 @@ def _flown(leads: Any, faces: Any, block: Block, ports: list[int]) -> list[Any]:
 
 
 def _wires(connection: Connection) -> Iterator[tuple[Block, int, Block, int]]:
-    """Source and output, target and input, of each wire."""
+    """Source and output, target and input, of each signal of a connection."""
     source = connection.source.block
     outputs = _numbers(connection.source.ports, source.outputs)
     for end in connection.targets:
@@ -124,7 +125,7 @@ def contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connect
 
 
 def _numbers(ports: Iterable[Any], register: Register) -> list[Any]:
-    # a look-up by the register itself would mark the port as wired
+    # not by the register's own look-up, which would mark the port as connected
     return [port_names(register).get(port, port) for port in ports]
 
 
@@ -134,7 +135,7 @@ def _port(block: Block, number: int, register: Register) -> str:
 
 
 def name_of(block: Block) -> str:
-    """The user's variable of a block; its class where there is none."""
+    """The user's variable of a block, or else its class."""
     for frame in filter(is_users, frames()):
         for variables in (frame.f_locals, frame.f_globals):
             for name, value in list(variables.items()):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import must_be, number, refuse, whole
+from .._core.checks import integer, must_be, number, refuse
 from .._core.running import fly
 from .._core.units import KNOT
 from ..catalogue import load_diagram
@@ -150,7 +150,7 @@ def fly_case(case: float, rate: int | None = None, integrators: Any = "precise")
 
     least = 200 if _valid_case(case) in _F16 else 10
     rate = max(least, 100) if rate is None else rate
-    if whole("rate", rate, low=least) % 2:
+    if integer("rate", rate, low=least) % 2:
         must_be("rate", rate, "even, because the reference has a point every 0.5 s")
     T = 1 / rate
     name = f"check_case_{_file_name(case)}"

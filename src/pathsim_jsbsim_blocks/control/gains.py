@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, get_type_hints
 
-from .._core.checks import known_keywords, number, positive, refuse, whole
+from .._core.checks import integer, known_keywords, number, positive, refuse
 
 
 @dataclass(frozen=True)
@@ -328,7 +328,7 @@ class GainSchedule:
                 "a gain schedule needs design points, sorted by altitude and then by airspeed, "
                 f"not {places}",
             )
-        object.__setattr__(self, "nominal", whole("nominal", self.nominal, low=0))
+        object.__setattr__(self, "nominal", integer("nominal", self.nominal, low=0))
         if not self.nominal < len(places):
             refuse(
                 "nominal",

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from .._core.checks import number, positive, whole
+from .._core.checks import integer, number, positive
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
 from .._core.sampling import SampledLaw
@@ -61,7 +61,7 @@ class Sensor(SampledLaw):
     noise: float = parameter(0.0, number, low=0.0)
     lag: float = parameter(0.0, number, low=0.0)
     quantum: float = parameter(0.0, number, low=0.0)
-    seed: int = parameter(0, whole, low=0)
+    seed: int = parameter(0, integer, low=0)
     T: float = parameter(1 / 120, positive)
 
     measured = ("u",)

@@ -17,7 +17,7 @@ from .._core.aircraft_ports import (
     throttles,
 )
 from .._core.callers import warn_user
-from .._core.checks import flag, number, optional, positive, whole
+from .._core.checks import flag, integer, number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
 from .airframe import Airframe
@@ -205,7 +205,7 @@ class Aircraft(FlightBlock):
     gear: float | None = None
     flaps: float | None = None
     T: float = parameter(1 / 120, positive)
-    substeps: int = parameter(1, whole, low=1)
+    substeps: int = parameter(1, integer, low=1)
     condition: TrimCondition | None = None
     setup: Mapping[str, float] | None = None
     properties: Mapping[str, float] | None = None

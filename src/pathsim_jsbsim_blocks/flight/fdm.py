@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from .._core.checks import flag, optional, positive, whole
+from .._core.checks import flag, integer, optional, positive
 from .._core.parameters import parameter
 from .._core.pathsim_internals import port_names
 from .block import FlightBlock, Read, Write
@@ -142,7 +142,7 @@ class JSBSimFDM(FlightBlock):
     condition: TrimCondition | None = None
     setup: Mapping[str, float] | None = None
     properties: Mapping[str, float] | None = None
-    substeps: int = parameter(1, whole, low=1)
+    substeps: int = parameter(1, integer, low=1)
     create: Mapping[str, float] | str | None = None
     allow_network: bool = parameter(False, flag)
     allow_files: bool = parameter(False, flag)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from .._core.checks import mapping, whole
+from .._core.checks import integer, mapping
 from ..errors import AircraftError, TrimError
 from .airframe import Airframe
 from .model_files import has_retractable_gear
@@ -80,7 +80,7 @@ def level_flight(
     TrimError
         if it trims at none of these; the residuals are those of the first
     """
-    tries = whole("tries", tries, low=1)
+    tries = integer("tries", tries, low=1)
     airframe, _ = prepared(aircraft, root, create)
     mode, conditions = ("full", TRIES) if airframe.engines else ("glide", GLIDES)
     return first_trim(

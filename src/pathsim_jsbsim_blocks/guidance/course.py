@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from .._core.callers import warn_user
-from .._core.checks import heading, must_be, number, one_of, optional, positive, refuse, whole
+from .._core.checks import heading, integer, must_be, number, one_of, optional, positive, refuse
 from .._core.parameters import parameter
 from .._core.ports import numbered
 from .._core.units import GRAVITY, KNOT
@@ -164,7 +164,7 @@ class CourseHold(Hold):
     gains: Gains = "c172p"
     chi_ref: float | None = parameter(None, optional, of=heading)
     waypoints: list[tuple[float, float]] | None = None
-    leg: int = parameter(0, whole, low=0)
+    leg: int = parameter(0, integer, low=0)
     lookahead: float | None = parameter(None, optional, above=0.0)
     intercept: float = parameter(45.0, number, above=0.0, high=90.0)
     bank_max: float = parameter(25.0, number, above=0.0, high=80.0)
@@ -358,7 +358,7 @@ class _Route:
         self.courses = [
             leg.track_at(here).course for leg, here in zip(self.legs, starts, strict=True)
         ]
-        self.start = whole("leg", leg, low=0)
+        self.start = integer("leg", leg, low=0)
         if self.start > self.last:
             refuse(
                 "leg",
@@ -438,6 +438,6 @@ def _numbered(parameter: str, value: Any, last: int) -> dict[int, Any]:
     if value is not None and not isinstance(value, dict):
         refuse(parameter, value, f"{parameter} must have numbers from 1 to {last}, not {value!r}")
     for key in value or {}:
-        if whole(parameter, key, low=1) > last:
+        if integer(parameter, key, low=1) > last:
             refuse(parameter, value, f"{parameter}: there is no number {key!r}, only up to {last}")
     return value or {}

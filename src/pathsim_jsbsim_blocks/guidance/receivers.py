@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from .._core.checks import heading, number, positive, whole
+from .._core.checks import heading, integer, number, positive
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
 from .._core.sampling import SampledLaw
@@ -93,7 +93,7 @@ class Localizer(_Receiver):
     course: float = parameter(0.0, heading)
     width: float = parameter(math.inf, number, above=0.0, infinite=True)
     noise: float = parameter(0.0, number, low=0.0)
-    seed: int = parameter(0, whole, low=0)
+    seed: int = parameter(0, integer, low=0)
     T: float = parameter(1 / 120, positive)
 
     measured = ("lat", "lon")
@@ -164,7 +164,7 @@ class Glideslope(_Receiver):
     angle: float = parameter(3.0, number, low=0.1, high=20.0)
     width: float = parameter(math.inf, number, above=0.0, infinite=True)
     noise: float = parameter(0.0, number, low=0.0)
-    seed: int = parameter(0, whole, low=0)
+    seed: int = parameter(0, integer, low=0)
     T: float = parameter(1 / 120, positive)
 
     measured = ("lat", "lon", "h")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote, unquote
 
-from .._core.checks import refuse, whole
+from .._core.checks import integer, refuse
 from ..errors import MissingExtraError
 from . import page, pvm
 from .access import HOST, Access
@@ -206,7 +206,7 @@ def _bound(app: Any, port: int | None) -> Any:
 
     # silences its warnings about a full queue and about requests dropped at shutdown
     logging.getLogger("waitress").setLevel(logging.ERROR)
-    if port is not None and whole("port", port, low=0) > 65535:
+    if port is not None and integer("port", port, low=0) > 65535:
         refuse("port", port, f"port must be at most 65535, not {port}")
     try:
         return create_server(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, must_be, nearest, positive, refuse, whole
+from .._core.checks import did_you_mean, integer, must_be, nearest, positive, refuse
 from .._core.extras import required
 from ..catalogue import find_diagram
 from .grid import cell, encodable, expand, plain
@@ -110,7 +110,7 @@ def run_batch(
     for key in _OWN:
         if any(key in row for row in points):
             refuse(key, cases, f"the cases have a column {key!r}, which is one of the table's own")
-    rows = _seeded(points, whole("seed", seed, low=0))
+    rows = _seeded(points, integer("seed", seed, low=0))
     if isinstance(build, (str, Path)):
         script = find_diagram(str(build)).absolute()
         roots = _check_script(script, rows, measure, duration)
@@ -219,7 +219,7 @@ def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
     seeded = []
     for i, child in enumerate(np.random.SeedSequence(seed).spawn(len(rows))):
         drawn = rows[i].get("seed", int(child.generate_state(1)[0]))
-        seeded.append({**rows[i], "seed": whole(f"cases point {i}: seed", drawn, low=0)})
+        seeded.append({**rows[i], "seed": integer(f"cases point {i}: seed", drawn, low=0)})
     return seeded
 
 

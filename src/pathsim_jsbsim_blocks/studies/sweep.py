@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .._core.checks import property_list, whole
+from .._core.checks import integer, property_list
 from .._core.extras import required
 from ..errors import TrimError
 from ..flight.airframe import Airframe
@@ -100,7 +100,7 @@ def trim_sweep(
     points, count = expand("grid", grid)
     conditions = [trim_condition(i, point) for i, point in enumerate(points)]
     outputs = list(dict.fromkeys(property_list("outputs", outputs)))
-    chunk = whole("chunk", chunk, low=1)
+    chunk = integer("chunk", chunk, low=1)
     airframe = partial(Airframe, aircraft, root=root)
     created = _try_out(partial(airframe, create=create), conditions, outputs)
     airframe = partial(airframe, create=created)

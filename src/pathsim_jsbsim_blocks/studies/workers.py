@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from .._core.callers import warn_user
-from .._core.checks import flag, number, refuse, whole
+from .._core.checks import flag, integer, number, refuse
 from .._core.extras import required
 from ..errors import ParameterError
 from .journal import Journal, study_key
@@ -57,7 +57,7 @@ def run_parts(
         jobs = joblib.cpu_count()
     else:
         try:
-            jobs = whole("jobs", number("jobs", jobs, high=_MOST_JOBS), low=1)
+            jobs = integer("jobs", number("jobs", jobs, high=_MOST_JOBS), low=1)
         except ParameterError as error:
             refuse("jobs", jobs, f"{error} (-1: all cores)")
     journal = None

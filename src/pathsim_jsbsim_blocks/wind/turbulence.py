@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal, NamedTuple
 
-from .._core.checks import number, one_of, positive, whole
+from .._core.checks import integer, number, one_of, positive
 from .._core.noise import WhiteNoise
 from .._core.parameters import parameter
 from .._core.sampling import SampledLaw
@@ -383,7 +383,7 @@ class DrydenTurbulence(SampledLaw):
     sigma: float | None = None
     span: float = parameter(35.8, _span)
     terrain: float = parameter(0.0, number)
-    seed: int = parameter(0, whole, low=0)
+    seed: int = parameter(0, integer, low=0)
     T: float = parameter(1 / 120, positive)
 
     is_wind = True

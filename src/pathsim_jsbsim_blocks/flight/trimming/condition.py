@@ -9,7 +9,7 @@ from typing import Any, Literal, NoReturn, get_args
 
 import numpy as np
 
-from ..._core.checks import flag, known_keywords, mapping, must_be, number, one_of, refuse, whole
+from ..._core.checks import flag, integer, known_keywords, mapping, must_be, number, one_of, refuse
 
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
@@ -296,7 +296,7 @@ def check_condition(condition: Any) -> None:
 def _indices(parameter: str, value: Any) -> tuple[int, ...]:
     if isinstance(value, str) or not np.iterable(value):
         must_be(parameter, value, "'all' or a list of engines from 0")
-    return tuple(sorted({whole(parameter, i, low=0) for i in value}))
+    return tuple(sorted({integer(parameter, i, low=0) for i in value}))
 
 
 def _weights(parameter: str, value: Any) -> FixedMapping:
@@ -307,6 +307,6 @@ def _weights(parameter: str, value: Any) -> FixedMapping:
         value = dict(enumerate(value))
     if not isinstance(value, Mapping):
         must_be(parameter, value, "a list or a dict of weights in lb")
-    indices = [whole(f"{parameter} index", i, low=0) for i in value]
+    indices = [integer(f"{parameter} index", i, low=0) for i in value]
     weights = [number(f"{parameter}[{i}]", w, low=0.0) for i, w in value.items()]
     return FixedMapping(dict(zip(indices, weights, strict=True)))
