@@ -147,15 +147,15 @@ def test_an_absolute_reference_is_the_parameter(hold, port, value):
 @pytest.mark.parametrize(
     ("hold", "port", "value", "warned"),
     [
-        (AltitudeHold, "h_ref", 5500.0, "5500 ft at h_ref is an increment and asks for 10500 ft"),
+        (AltitudeHold, "h_ref", 5500.0, "5500 ft at h_ref is an increment and commands 10500 ft"),
         # lower than now, and meant as the altitude and the airspeed themselves
-        (AltitudeHold, "h_ref", 4500.0, "4500 ft at h_ref is an increment and asks for 9500 ft"),
+        (AltitudeHold, "h_ref", 4500.0, "4500 ft at h_ref is an increment and commands 9500 ft"),
         (AltitudeHold, "h_ref", 3900.0, None),
-        (AirspeedHold, "vc_ref", 80.0, "80 kt at vc_ref is an increment and asks for 170 kt"),
+        (AirspeedHold, "vc_ref", 80.0, "80 kt at vc_ref is an increment and commands 170 kt"),
         (AirspeedHold, "vc_ref", 44.0, None),
         (Autopilot, "h_ref", 5500.0, "Autopilot: 5500 ft at h_ref is an increment"),
-        (Autopilot, "vc_ref", 95.0, "95 kt at vc_ref is an increment and asks for 185 kt"),
-        (AirspeedHold, "vc_ref", 95.0, "reference='absolute' makes the port the reference"),
+        (Autopilot, "vc_ref", 95.0, "95 kt at vc_ref is an increment and commands 185 kt"),
+        (AirspeedHold, "vc_ref", 95.0, "reference='absolute' the port is the reference"),
     ],
 )
 @pytest.mark.parametrize("reference", ["increment", "absolute"])

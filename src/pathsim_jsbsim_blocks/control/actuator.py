@@ -16,9 +16,9 @@ from .pid import clip
 
 
 class ActuatorState(NamedTuple):
-    """State of an `Actuator`, which is not known at the start."""
+    """State of an `Actuator`; ``initialised`` is False before the first sample."""
 
-    known: bool = False
+    initialised: bool = False
     y: float = 0.0
     rate: float = 0.0
 
@@ -32,9 +32,9 @@ class Actuator(SampledLaw):
         |\\dot y| \\le \\dot y_\\mathrm{max}, \\quad y_\\mathrm{low} \\le y \\le y_\\mathrm{high}
 
     The command is held over each period T, and the motion within it is exact while no limit is
-    active. The limits hold at the samples, so reaching or leaving one is late by less than T. A
-    limit moved past the position draws it back as a command does. The output at t_k follows from
-    the commands before t_k.
+    active. The limits apply at the samples, so reaching or leaving one is late by less than T. If a
+    limit is moved past the position, the actuator moves back to it as to a command. The output at
+    t_k follows from the commands before t_k.
 
     Parameters
     ----------
@@ -43,11 +43,11 @@ class Actuator(SampledLaw):
     damping : float
         damping ratio zeta
     max_rate : float
-        largest rate, the unit of the command per s; default: no limit
+        maximum rate, in the unit of the command per s; default: no limit
     low : float
-        lowest position
+        minimum position
     high : float
-        highest position
+        maximum position
     initial : float
         position at the start, at rest
     T : float
@@ -71,8 +71,8 @@ class Actuator(SampledLaw):
     Raises
     ------
     ParameterError
-        for a frequency or rate that is not positive, a negative damping, and limits or an initial
-        position that do not fit each other
+        for a frequency or rate that is not positive, a negative damping, and inconsistent limits or
+        initial position
     """
 
     frequency: float = parameter(30.0, positive)
@@ -92,7 +92,7 @@ class Actuator(SampledLaw):
         self._max_rate = self._checked.max_rate
         self._low, self._high = check_range(self.low, self.high)
         self._initial = number("initial", self.initial, low=self._low, high=self._high)
-        # of the distance from the command, and of the rate
+        # states: distance from the command, and rate
         motion = [[0.0, 1.0], [-omega * omega, -2 * zeta * omega]]
         period = self.clock.period
         transition = expm([[period * x for x in row] for row in motion])
@@ -109,8 +109,8 @@ class Actuator(SampledLaw):
         return ActuatorState()
 
     def law(self, u: list[float], state: ActuatorState) -> tuple[list[float], ActuatorState]:
-        known, y, rate = state
-        if not known:
+        initialised, y, rate = state
+        if not initialised:
             y = self._initial
         command = clip(u[0], self._low, self._high)
         (a, b), (c, d) = self._transition
@@ -118,7 +118,7 @@ class Actuator(SampledLaw):
         moved = command + a * distance + b * rate
         moved = clip(moved, y - self._farthest, y + self._farthest)
         new_rate = clip(c * distance + d * rate, -self._max_rate, self._max_rate)
-        # a limit that was moved past the position lets it come back with the motion
+        # a limit moved past the position acts as a command, not as a jump
         position = clip(moved, min(self._low, y), max(self._high, y))
         if position != moved:
             new_rate = 0.0

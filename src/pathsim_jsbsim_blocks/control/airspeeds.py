@@ -1,4 +1,4 @@
-"""Airspeeds of the limits, without compressibility where it does not matter to them."""
+"""Airspeeds for limits, without compressibility if the error does not matter to them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the controller blocks share: references, schedules, and sections of their pages."""
+"""Shared parts of the controller blocks: references, schedules, and sections of docstrings."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from .._core.sampling import SampledLaw
 from .gain_tables import loop_gains, named, schedule_of
 from .loops import HeadingLoop, Reference, ReferenceLoop, attitude_loop
 
-# what a wired reference port is
+# meaning of a connected reference port
 ReferenceKind = Literal["increment", "absolute"]
 
-# largest increment, or lower and upper
+# maximum increment in both directions, or lower and upper limit
 Authority = float | tuple[float, float]
 
 _TRAVEL = 2.0  # from stop to stop, of a command in -1 to 1
 
-FLYING = 30.0  # kt, the least airspeed of a flight
+FLYING = 30.0  # kt, minimum airspeed of a flight
 
-# increments that must be meant absolute: from this share of the measured value on, which is at
-# least so much
+# increments above this fraction of the measured value are taken for absolute values by mistake, if
+# the measured value is at least the second number
 MEANT_ABSOLUTE = {"h_ref": (0.8, 1000.0, "ft"), "vc_ref": (0.5, FLYING, "kt")}
 
 # docstring sections shared by the holds
@@ -34,14 +34,14 @@ SECTIONS = dict(
     """,
     reference="""
     reference : str
-        what a wired reference port is: "increment", added to the parameter or to the value found
+        meaning of a connected reference port: "increment", added to the parameter or to the value
         at engagement (0 changes nothing), or "absolute", the reference itself
     """,
     bank="""
     bank_max : float
-        largest bank reference in deg
+        maximum bank reference in deg
     authority : float or pair
-        largest aileron increment, of full travel
+        maximum aileron increment, of full travel
     """,
     elev_off="""
     off
@@ -69,7 +69,7 @@ SECTIONS = dict(
     """,
     vc="""
     vc
-        calibrated airspeed in kt, for gains that depend on it; without a wire (0) the gains are
+        calibrated airspeed in kt, for gains that depend on it; if not connected (0), the gains are
         those of the table's nominal point
     """,
     raises="""
@@ -85,46 +85,46 @@ fill = filler(**SECTIONS)
 
 
 def authority_limits(parameter: str, value: Any) -> tuple[float, float]:
-    """Lower and upper limit of an actuator increment, from one number or from both."""
+    """Lower and upper limit of an actuator increment, from one number or a pair."""
     if isinstance(value, (list, tuple)):
         if len(value) != 2:
             must_be(parameter, value, "one number or a lower and an upper limit")
         low = number(parameter, value[0], low=-_TRAVEL, high=0.0)
         high = number(parameter, value[1], low=0.0, high=_TRAVEL)
         if low == high:
-            must_be(parameter, value, "limits of which one is not 0")
+            must_be(parameter, value, "limits that are not both 0")
         return low, high
     most = number(parameter, value, above=0.0, high=_TRAVEL)
     return -most, most
 
 
 def reference_kind(parameter: str, value: Any) -> str:
-    """What a wired reference port is."""
+    """Check the meaning of a connected reference port."""
     return one_of(parameter, value, ("increment", "absolute"))
 
 
 class Hold(SampledLaw):
-    """Base of the holds: references by increment or absolute, and gains over the airspeed.
+    """Base of the holds: incremental or absolute references, and scheduled gains.
 
-    A subclass has its first state as ``START``. `build` makes its loops, and names those that
-    follow a gain schedule in `follows`; `law` calls `retune` before it uses them.
+    A subclass has its initial state as ``START``. `build` makes its loops, and passes those that
+    follow a gain schedule to `follows`; `law` calls `retune` before it uses them.
 
-    A port that asks by increment for nearly the measured value, as 4500 on ``h_ref`` at 5000 ft
-    does, is warned of once: it is meant to be absolute.
+    A warning is given once for an increment close to the measured value, such as 4500 on ``h_ref``
+    at 5000 ft: it is probably meant as an absolute value.
     """
 
     START: ClassVar[Any]
     gains: Any
     reference: ReferenceKind = "increment"
     _warned_of: frozenset[str] = frozenset()  # ports and parameters
-    # aircraft that the gains are for, where they name any
+    # aircraft of the gains, if they name any
     tuned_for: Sequence[str] = ()
 
     def initial_state(self) -> Any:
         return self.START
 
     def gains_of(self, *names: str) -> tuple[Any, ...]:
-        """Gains of the loops, at the nominal point of a schedule."""
+        """Gains of the loops; of a schedule those of the nominal point."""
         self._schedule = schedule_of(self.gains)
         gains = loop_gains(self.gains, *names)
         parts = self.gains.values() if isinstance(self.gains, Mapping) else [self.gains]
@@ -133,20 +133,20 @@ class Hold(SampledLaw):
 
     @property
     def scheduled(self) -> bool:
-        """Whether gains follow the airspeed."""
+        """Whether gains depend on the airspeed."""
         return self._schedule is not None
 
     def follows(self, **loops: Any) -> None:
-        """Loops that take the gains of a schedule, by their names in it; None for one not made."""
+        """Register loops that follow a schedule, by their names in it; None for an absent loop."""
         self._following = {name: loop for name, loop in loops.items() if loop is not None}
-        # the airspeed and altitude of the present gains; changed in place at each sample
+        # airspeed and altitude of the current gains; a list, changed in place at each sample
         self._tuned_for: list[float | None] = []
 
     def retune(self, vc: float, h: float | None = None) -> None:
-        """Give the loops the gains of the schedule at an airspeed and altitude.
+        """Set the loops' gains from the schedule at an airspeed (kt) and altitude (ft).
 
-        Without an altitude they are those at the nominal one, without an airspeed (0) those of the
-        nominal point.
+        Without an altitude they are those at the nominal altitude, without an airspeed (0) those of
+        the nominal point.
         """
         if self._schedule is None or self._tuned_for == [vc, h]:
             return
@@ -156,7 +156,7 @@ class Hold(SampledLaw):
         self._tuned_for[:] = vc, h
 
     def lateral_loops(self) -> tuple[HeadingLoop, ReferenceLoop]:
-        """The loops from the heading to the bank, and from there to the ailerons."""
+        """The loops from heading to bank, and from bank to the ailerons."""
         T, c = self.clock.period, self._checked
         heading, roll = self.gains_of("heading", "roll")
         loops = (
@@ -175,14 +175,14 @@ class Hold(SampledLaw):
             if measured >= least and value >= share * measured:
                 self._warn_once(
                     port,
-                    "{:g} {} at {} is an increment and asks for {:.0f} {}; reference='absolute' "
-                    "makes the port the reference itself",
+                    "{:g} {} at {} is an increment and commands {:.0f} {}; with "
+                    "reference='absolute' the port is the reference itself",
                     *(value, unit, port, measured + value, unit),
                 )
         return getattr(self._checked, port), value
 
     def _warn_once(self, about: str, text: str, *values: Any) -> None:
-        # a law asks at each sample: the text is made once
+        # called at each sample, so format the text only for a new warning
         if about not in self._warned_of:
             self._warned_of |= {about}
             warn_user(f"{type(self).__name__}: {text.format(*values)}")

@@ -1,4 +1,4 @@
-"""Gain tables: JSON files, and what ``gains=`` of the holds takes beside their names."""
+"""Gain tables: JSON files, and the other values of the holds' parameter ``gains``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _LANDING = ("landing", "no_landing")
 
 
 def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
-    """The gains of some loops, from a table, a file or numbers; of a schedule its nominal point's.
+    """The gains of some loops, from a table, a file or numbers; of a schedule the nominal point's.
 
     Parameters
     ----------
@@ -34,8 +34,8 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
         gains or a dict of their values; or, for several, a dict from the loop's name to any of
         these
     *loops : str
-        "pitch", "roll", "heading", "altitude", "speed", "yaw", or "envelope", which may be absent
-        and is None then
+        "pitch", "roll", "heading", "altitude", "speed", "yaw", or "envelope", which is None if
+        absent
 
     Raises
     ------
@@ -51,7 +51,7 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
     if isinstance(gains, AircraftGains):
         for loop in loops:
             if loop != "envelope" and getattr(gains, loop) is None:
-                why = f"these gains have none of the loop {loop!r}: the aircraft has no engine"
+                why = f"these gains lack the loop {loop!r}: the aircraft has no engine"
                 refuse("gains", gains, why)
         return tuple(getattr(gains, loop) for loop in loops)
     if len(loops) == 1:
@@ -68,20 +68,20 @@ def loop_gains(gains: Any, *loops: str) -> tuple[Any, ...]:
 
 
 def schedule_of(gains: Any) -> GainSchedule | None:
-    """The schedule that ``gains`` is or names; None for gains that do not depend on the speed."""
+    """The schedule given by ``gains``; None for gains that do not depend on the airspeed."""
     schedule = named(gains)
     return schedule if schedule and len(schedule.points) > 1 else None
 
 
 def named(gains: Any) -> GainSchedule | None:
-    """The table that ``gains`` is or names, of one point too; None for other gains."""
+    """The table given by ``gains``, even with a single point; None for other gains."""
     if isinstance(gains, str):
         gains = table(gains)
     return gains if isinstance(gains, GainSchedule) else None
 
 
 def slowest(gains: Any) -> float | None:
-    """True airspeed in ft/s of the slowest point that gains are for; None where they name none."""
+    """True airspeed in ft/s of the slowest design point of gains; None if they have no points."""
     schedule = named(gains)
     if schedule is None:
         return None
@@ -94,7 +94,7 @@ def tables() -> list[str]:
 
 
 def table(name: str) -> GainSchedule:
-    """The gains with a name: a table of this package, or a file that ends in ".json".
+    """The gains of a table of this package, or of a file that ends in ".json".
 
     Raises
     ------
@@ -150,7 +150,7 @@ def _read(path: Path, written: int) -> GainSchedule:
 
 
 def schedule_from(document: Mapping[str, Any]) -> GainSchedule:
-    """The gain schedule in a document as `document_of` makes it."""
+    """The gain schedule in a document written by `document_of`."""
     return GainSchedule(
         aircraft=document["aircraft"],
         points=tuple(
@@ -174,10 +174,10 @@ def _all_loops(gains: dict[str, Any]) -> AircraftGains:
 
 
 def document_of(schedule: GainSchedule) -> dict[str, Any]:
-    """A gain schedule as JSON can hold it, in the format of gain table files.
+    """A gain schedule as plain data, in the format of gain table files.
 
-    Further keys, of the document (such as "versions" and "condition") and of each of its "points"
-    (such as "report"), are not read.
+    Further keys, of the document (such as "versions" and "condition") and of its "points" (such as
+    "report"), are ignored when a file is read.
     """
     return {
         "format": FORMAT,
@@ -207,8 +207,8 @@ def write_gains(
 ) -> None:
     """Write a gain table with 6 significant digits, to a path that ends in .json.
 
-    ``about`` are further keys of the document and ``reports`` one of each point, for readers. Where
-    it cannot be written (`FileError`) an existing file is left unchanged.
+    ``about`` are further keys of the document, ``reports`` has one report per point, for readers.
+    If the file cannot be written (`FileError`), an existing one is left unchanged.
     """
     file = ending("path", as_path("path", path), ".json")
     document = document_of(schedule)
@@ -247,7 +247,7 @@ def _one_loop(gains: Any, loop: str) -> Any:
 
 
 def _instead(gains: Any) -> str:
-    """What to pass instead of a path, or of what `design_schedule` returns."""
+    """Suggestion instead of a path, or of a result of `design_schedule`."""
     if isinstance(gains, os.PathLike):
         return did_you_mean([os.fspath(gains)])
     if isinstance(getattr(gains, "schedule", None), GainSchedule):

@@ -46,7 +46,7 @@ class AttitudeGains(_Gains):
     b : float
         weight of the reference in the proportional part
     ramp : float
-        largest rate at which the reference moves, deg/s
+        maximum rate of the reference, deg/s
     """
 
     Kp: float
@@ -68,7 +68,7 @@ class HeadingGains(_Gains):
     Ki : float
         1/s
     bank : float
-        bank of straight flight in deg; with a propeller it is not 0
+        bank of straight flight in deg; not 0 with a propeller
     """
 
     Kp: float
@@ -84,15 +84,15 @@ class AltitudeGains(_Gains):
     Parameters
     ----------
     Kh : float
-        rate of climb demanded per altitude error, 1/s
+        commanded rate of climb per altitude error, 1/s
     Kp : float
         pitch reference per error of the rate of climb, deg/(ft/s)
     Ki : float
         deg/ft
     hdot_max : float
-        largest rate of climb and descent demanded, ft/s
+        maximum commanded rate of climb and descent, ft/s
     theta_max : float
-        highest pitch reference, deg
+        maximum pitch reference, deg
     """
 
     Kh: float
@@ -121,11 +121,11 @@ class SpeedGains(_Gains):
     b : float
         weight of the reference in the proportional part
     ramp : float
-        largest rate at which the reference moves, kt/s
+        maximum rate of the reference, kt/s
     Kc : float
         throttle fed forward per rate of climb, s/ft
     band : float
-        error in kt beyond which each further knot counts as 0.2 kt; by default none does
+        error in kt beyond which each further knot counts as 0.2 kt; the default has no effect
     """
 
     Kp: float
@@ -143,13 +143,12 @@ class SpeedGains(_Gains):
 class YawGains(_Gains):
     """Gains from yaw rate (deg/s), sideslip and roll to the rudder command (full travel 1).
 
-    K, Kp and Ki are positive, and Kbank is mostly negative, where positive rudder yaws the nose
-    left.
+    If positive rudder yaws the nose left, K, Kp and Ki are positive, and Kbank is usually negative.
 
     Parameters
     ----------
     K : float
-        s/deg, on the washed-out yaw rate; 0 where the model has its own damper
+        s/deg, on the washed-out yaw rate; 0 if the model has its own damper
     tau : float
         time constant of the wash-out in s
     Kp : float
@@ -174,29 +173,28 @@ class YawGains(_Gains):
 @known_keywords
 @dataclass(frozen=True)
 class EnvelopeLimits(_Gains):
-    """What the aircraft can fly at one altitude and airspeed, measured in flight.
+    """Limits of the aircraft at one altitude and airspeed, measured in flight.
 
     Parameters
     ----------
     alpha_max : float
-        largest angle of attack that the holds may command, deg, below the stall
+        maximum angle of attack that the holds may command, deg, below the stall
     vc_min : float
-        lowest airspeed of level flight where it was measured, KCAS; in flight the protection finds
-        it from the angle of attack
+        minimum airspeed of level flight at the altitude of the measurement, KCAS; in flight the
+        protection estimates it from the angle of attack
     climb_max : float
         rate of climb at full throttle and this airspeed, ft/s
     descent_max : float
         rate of descent at idle and this airspeed, ft/s, positive
     vmo : float
-        highest airspeed that the holds may command, KCAS; by default there is none
+        maximum airspeed that the holds may command, KCAS; the default is no limit
     mmo : float
-        and as a Mach number
+        likewise, as a Mach number
     alpha_zero : float
-        angle of attack without lift, deg
+        angle of attack at zero lift, deg
     lift_max : float
-        largest lift that level flight may take, of that at ``alpha_max``: where ``vc_min`` was
-        measured, it takes this much at ``vc_min``. By default the airspeed stays 10 % above that at
-        ``alpha_max``
+        maximum lift of level flight as a fraction of that at ``alpha_max``, reached at ``vc_min``.
+        With the default the airspeed stays 10 % above that at ``alpha_max``
     """
 
     alpha_max: float
@@ -230,7 +228,7 @@ class AircraftGains:
         None for an aircraft without an engine
     yaw : YawGains
     envelope : EnvelopeLimits, optional
-        limits of the protection; None for none
+        limits of the protection; None for no protection
     """
 
     pitch: AttitudeGains
@@ -250,7 +248,7 @@ LOOPS = {**get_type_hints(AircraftGains), **OPTIONAL}
 @known_keywords
 @dataclass(frozen=True)
 class DesignPoint:
-    """Gains, and the altitude and airspeed they are for.
+    """Gains, and the altitude and airspeed for which they were designed.
 
     Parameters
     ----------
@@ -281,22 +279,22 @@ class DesignPoint:
 class GainSchedule:
     """Gains of one aircraft over altitude and airspeed.
 
-    Between the points every number is interpolated: linearly over the airspeed at the altitudes
-    below and above, then linearly over the altitude. Beyond the outermost points it stays constant.
+    Between the points every number is interpolated: linearly in airspeed at the altitudes below and
+    above, then linearly in altitude. Beyond the outermost points it is constant.
 
     Parameters
     ----------
     aircraft : str
-        model that the gains are for
+        model for which the gains were designed
     points : tuple of DesignPoint
         sorted by altitude, and by airspeed within each altitude; all of them have envelope limits,
         or none
     nominal : int
-        index of the point whose gains a hold uses that does not know the airspeed
+        index of the point whose gains a hold uses if the airspeed is not connected
     landing : str
         landings flown with these gains; "" for none
     no_landing : str
-        why `FlareHold` refuses these gains; "" where it does not
+        why `FlareHold` refuses these gains; "" if it accepts them
 
     Raises
     ------
@@ -337,7 +335,7 @@ class GainSchedule:
             )
         for loop in OPTIONAL:
             if len({getattr(point.gains, loop) is None for point in points}) > 1:
-                why = f"all points of a gain schedule have {loop} gains, or none"
+                why = f"either all points of a gain schedule must have {loop} gains, or none"
                 refuse("points", places, why)
         object.__setattr__(self, "points", tuple(points))
 
@@ -352,9 +350,9 @@ class GainSchedule:
         return AircraftGains(**{**dict.fromkeys(OPTIONAL), **gains})
 
     def place(self, vc: float, h: float | None = None) -> Place:
-        """Where an airspeed and altitude are among the points, for `gains_at`.
+        """Position of an airspeed and altitude among the points, for `gains_at`.
 
-        Without an altitude it is the nominal point's; at an airspeed of 0 the nominal point.
+        Without an altitude the nominal point's is used; for an airspeed of 0 the nominal point.
         """
         if vc == 0.0:
             return self.nominal, self.nominal, 0.0, self.nominal, self.nominal, 0.0, 0.0
@@ -363,7 +361,7 @@ class GainSchedule:
         return (*_on(levels[below], vc), *_on(levels[above], vc), up)
 
     def gains_at(self, loop: str, place: Place) -> Any:
-        """The gains of a loop at a place; between checked numbers, so they are not checked."""
+        """The gains of a loop at a place; not checked, because they lie between checked numbers."""
         slower, faster, along, slower_above, faster_above, along_above, up = place
         rows = self._numbers[loop]
         corners = zip(
@@ -386,8 +384,8 @@ class GainSchedule:
         altitudes = sorted({point.altitude for point in self.points})
         levels = []
         for altitude in altitudes:
-            here = [i for i, point in enumerate(self.points) if point.altitude == altitude]
-            levels.append((here[0], [self.points[i].speed for i in here]))
+            indices = [i for i, point in enumerate(self.points) if point.altitude == altitude]
+            levels.append((indices[0], [self.points[i].speed for i in indices]))
         return altitudes, levels
 
     @functools.cached_property
@@ -404,13 +402,13 @@ class GainSchedule:
 Gains = str | Mapping[str, Any] | _Gains | AircraftGains | GainSchedule
 
 
-# of the points about it: slower, faster, share of the way between them, at the altitude below and
-# at the one above; share of the way up
+# surrounding points: indices of the slower and faster one and the fraction between them, at the
+# altitude below and at the altitude above, and the fraction between the altitudes
 Place = tuple[int, int, float, int, int, float, float]
 
 
 def _between(places: list[float], x: float) -> tuple[int, int, float]:
-    """Indices of the places below and above x, and the share of the way; constant beyond."""
+    """Indices of the places below and above x, and the fraction between; constant beyond."""
     above = bisect.bisect_left(places, x)
     if above == 0:
         return 0, 0, 0.0

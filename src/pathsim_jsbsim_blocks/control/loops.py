@@ -12,14 +12,14 @@ from .._core.units import GRAVITY
 from .gains import AttitudeGains, HeadingGains, SpeedGains, YawGains
 from .pid import PID, PIDState, clip
 
-# of an airspeed error beyond its band, the share that does not count
+# fraction of an airspeed error beyond the band that is ignored
 BEYOND = 0.8
 
 DEGREES, RADIANS = math.degrees(1.0), math.radians(1.0)
 
-LEAST_RATE = 1e-9  # ft/s2 per deg, so that a loop without a gain is only very slow
+LEAST_RATE = 1e-9  # ft/s2 per deg, avoids division by 0: a loop without gain is only very slow
 
-# a target, None for the value found at engagement, and what is added to it
+# target, None for the value at engagement, and increment
 Reference = tuple[float | None, float]
 
 
@@ -40,17 +40,17 @@ class ReferenceLoop:
     """Holds a measured value at a reference that moves no faster than a ramp.
 
     At engagement the reference starts at the measured value and the output at its present value,
-    so neither jumps. Then the reference moves to where it is wanted.
+    so neither jumps. Then the reference moves to its target.
     """
 
     START = ReferenceState()
 
-    band: float | None = None  # error beyond which only a part of it counts
+    band: float | None = None  # error beyond which only a fraction counts
 
     def __init__(self, pid: PID, ramp: float, sign: float = 1.0):
         self.pid = pid
-        self.ramp = ramp  # largest rate of the reference, unit per s
-        self.sign = sign  # -1 where a positive actuator command lowers the measured value
+        self.ramp = ramp  # maximum rate of the reference, unit per s
+        self.sign = sign  # -1 if a positive actuator command lowers the measured value
 
     def retune(self, gains: AttitudeGains) -> None:
         self.pid.retune(gains.Kp, gains.Ki, Kr=gains.Kr, b=gains.b)
@@ -58,12 +58,12 @@ class ReferenceLoop:
 
     @staticmethod
     def reference(state: ReferenceState, y: float) -> float:
-        """Where the reference is: on its ramp, or at the measured value while off."""
+        """The current reference: on its ramp, or the measured value while off."""
         return state.reference if state.law.engaged else y
 
     @staticmethod
     def towards(state: ReferenceState, y: float, reference: Reference) -> tuple[float, bool]:
-        """Where the reference is to move, and whether that is the value found at engagement."""
+        """Target of the reference, and whether it is the value at engagement."""
         target, increment = reference
         if target is None:
             return (state.found if state.law.engaged else y) + increment, True
@@ -74,39 +74,39 @@ class ReferenceLoop:
         state: ReferenceState,
         y: float,
         rate: float,
-        wanted: float,  # where the reference is to move
-        keeps: bool,  # the value found at engagement is kept, because the reference is there
-        sat: float,  # actuator increment of the last period less what was applied
+        target: float,  # of the reference
+        keeps: bool,  # whether the target is the value at engagement, which is then remembered
+        sat: float,  # actuator increment of the last period less the part applied
         off: bool,  # hold the output
         feed: float = 0.0,
-        highest: float = math.inf,  # the reference gives way to this limit at once
-        fastest: float = math.inf,  # rate of the reference beside the ramp, unit per s
+        highest: float = math.inf,  # maximum of the reference, without a ramp
+        fastest: float = math.inf,  # maximum rate of the reference besides the ramp, unit per s
     ) -> tuple[float, float, ReferenceState]:
         """Actuator increment, reference and next state, from a measured value and its rate."""
-        found, before, law = state
+        initial, before, law = state
         pid, push = self.pid, 0.0
         if off or not law.engaged:
-            found = reference = y
+            initial = reference = y
         else:
             reference = before
             if highest < reference:
-                # at full weight: with a b below 1 the output would lag behind a limit that falls
+                # at full weight: with b < 1 the output would lag behind a falling limit
                 reference, push = highest, highest - before
             step = (fastest if fastest < self.ramp else self.ramp) * pid.T
-            move = wanted - reference
+            move = target - reference
             reference += step if move > step else -step if move < -step else move
             if highest < reference:
                 reference = highest
             if not keeps:
-                found = y
-        seen = y
+                initial = y
+        measured = y
         if self.band is not None:
             error = reference - y
-            seen += BEYOND * (error - clip(error, -self.band, self.band))
+            measured += BEYOND * (error - clip(error, -self.band, self.band))
         u, law = pid.sample(
-            law, reference, seen, rate, self.sign * sat, off, 0.0, feed, before, push
+            law, reference, measured, rate, self.sign * sat, off, 0.0, feed, before, push
         )
-        return self.sign * u, reference, ReferenceState(found, reference, law)
+        return self.sign * u, reference, ReferenceState(initial, reference, law)
 
 
 def attitude_loop(
@@ -116,7 +116,7 @@ def attitude_loop(
     sign: float = 1.0,
     carry: bool = False,
 ) -> ReferenceLoop:
-    """Aileron from roll angle; elevator from pitch, with a sign of -1: positive is nose down."""
+    """Aileron from roll angle, or elevator from pitch with sign -1: positive is nose down."""
     low, high = sorted(sign * x for x in authority)
     pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, Kr=gains.Kr, b=gains.b, low=low, high=high, carry=carry)
     return ReferenceLoop(pid, gains.ramp, sign)
@@ -135,9 +135,9 @@ class HeadingState(NamedTuple):
 class HeadingLoop:
     """Bank reference from the heading error, as in `HeadingHold`.
 
-    Integration starts once the proportional part alone demands less than the largest bank. With
-    the true airspeed V, the bank of straight flight follows what the turn does not explain, with a
-    failed engine for example, in a turn of less than half a degree of bank:
+    Integration starts once the proportional part alone commands less than the maximum bank. With
+    the true airspeed V, the bank of straight flight is estimated, for example after an engine
+    failure, from the bank that the turn does not explain, in turns of less than 0.5 deg of bank:
 
     .. math::
         \\tau \\dot\\phi_0 = \\phi - \\phi_0
@@ -146,9 +146,9 @@ class HeadingLoop:
 
     START = HeadingState()
 
-    STRAIGHT = 10.0  # s
-    TURNS = 0.5  # deg, the bank of a turn, in which the bank of straight flight is kept
-    RATE = 1.0  # s, filter of the turn's rate
+    STRAIGHT = 10.0  # s, time constant of the estimated bank of straight flight
+    TURNS = 0.5  # deg of bank; in steeper turns the estimate is frozen
+    RATE = 1.0  # s, filter of the turn rate
 
     def __init__(self, T: float, gains: HeadingGains, bank_max: float):
         self.pid = PID(T, Kp=gains.Kp, Ki=gains.Ki, low=-bank_max, high=bank_max)
@@ -173,33 +173,33 @@ class HeadingLoop:
         phi: float = 0.0,
         vt: float = 0.0,
     ) -> tuple[float, HeadingState]:
-        """Bank reference in deg and next state; while ``idle`` the loop waits to begin.
+        """Bank reference in deg and next state; while ``idle`` the loop is reset.
 
-        A ``vt`` of 0, in ft/s, is not known.
+        ``vt`` is in ft/s; 0 means unknown.
         """
         if idle:
             return 0.0, self.START
-        found, law, bank, slow_psi, slow_phi = state
+        initial, law, bank, slow_psi, slow_phi = state
         target, increment = reference
         if target is not None or not law.engaged:
-            found = psi
+            initial = psi
         if not law.engaged:
             bank, slow_psi, slow_phi = self.bank, psi, self.bank
         else:
-            # both as late as the rate of the filtered heading
+            # the same filter for both, so that they have the same delay
             slow_psi += self._share * wrap(psi - slow_psi)
             slow_phi += self._share * (phi - slow_phi)
             bank = self._straight(bank, wrap(psi - slow_psi), slow_phi, vt)
-        error = wrap((found if target is None else target) + increment - psi)
+        error = wrap((initial if target is None else target) + increment - psi)
         proportional = self.pid.Kp * error
         if not (law.engaged and abs(proportional) < self.pid.high):
-            # an integral of 0
+            # restart the law with an integral of 0
             law = PID.holding(proportional + bank)
-        wanted, law = self.pid.sample(law, error, 0.0, feed=bank)
-        return wanted, HeadingState(found, law, bank, slow_psi, slow_phi)
+        bank_reference, law = self.pid.sample(law, error, 0.0, feed=bank)
+        return bank_reference, HeadingState(initial, law, bank, slow_psi, slow_phi)
 
     def _straight(self, bank: float, behind: float, phi: float, vt: float) -> float:
-        """The bank of straight flight; the filtered heading is ``behind`` deg late."""
+        """The bank of straight flight; the filtered heading lags by ``behind`` deg."""
         if vt <= 0.0:
             return self.bank
         turn = DEGREES * math.atan(vt / GRAVITY * RADIANS / self.RATE * behind)
@@ -209,7 +209,7 @@ class HeadingLoop:
 
 
 class LateralState(NamedTuple):
-    """State of the ailerons' loops: a bank for a heading, within it the roll angle."""
+    """State of the ailerons' loops: heading to bank, and bank to aileron."""
 
     heading: HeadingState = HeadingLoop.START
     roll: ReferenceState = ReferenceLoop.START
@@ -218,7 +218,7 @@ class LateralState(NamedTuple):
 class SpeedLoop:
     """Throttle from airspeed, with the rate of climb fed forward, as in `AirspeedHold`.
 
-    The gain is less for large errors: gusts are large, the error after a step is small.
+    The gain is lower for large errors, because gusts cause larger errors than reference steps.
     """
 
     START = ReferenceLoop.START
@@ -241,7 +241,7 @@ class SpeedLoop:
         state: ReferenceState,
         vc: float,
         hdot: float,
-        wanted: float,
+        target: float,
         keeps: bool,
         sat: float,
         off: bool,
@@ -250,13 +250,13 @@ class SpeedLoop:
     ) -> tuple[float, float, ReferenceState]:
         """Throttle increment, reference in kt and next state; as in `ReferenceLoop`.
 
-        ``boost`` is added to the throttle. The integral takes it up as it does an error, or the
-        boost would leave it no error to correct; at the aircraft's limit it stays. ``feed`` is
-        added too, and goes as it came.
+        ``boost`` is added to the throttle and integrated as an error would be, because it removes
+        the error that the integral needs; not at the aircraft's limit. ``feed`` is added without
+        being integrated.
         """
         rest = sat - clip(sat, min(boost, 0.0), max(boost, 0.0))
         u, reference, state = self.loop.sample(
-            state, vc, 0.0, wanted, keeps, rest, off, self.Kc * hdot + feed
+            state, vc, 0.0, target, keeps, rest, off, self.Kc * hdot + feed
         )
         if boost and not off:
             pid, law = self.pid, state.law
@@ -280,8 +280,8 @@ class YawLoop:
     """Rudder from washed-out yaw rate, sideslip and roll, as in `YawDamper`.
 
     At engagement the output continues from its present value; while off it decays with tau. The
-    integral takes out a steady sideslip, of a failed engine for example, and gives its rudder back
-    when the asymmetry ends. Without a sideslip (0) there is nothing to integrate.
+    integral removes a steady sideslip, after an engine failure for example, and releases that
+    rudder when the asymmetry ends. If the sideslip is not connected (0), the integral decays.
     """
 
     START = YawState()
@@ -320,7 +320,7 @@ class YawLoop:
             integral *= self._fade
         else:
             change = -gains.Ki * self.T * beta
-            # where the rudder is at its limit the integral may only come back from it
+            # while the rudder is at its limit, the integral may only move back from it
             if change * (v - u) <= 0.0:
                 integral += change
         return u, YawState(True, slow + (1.0 - self._fade) * (r - slow), u, integral)

@@ -17,14 +17,14 @@ def clip(x: float, low: float, high: float) -> float:
 
 
 class PIDState(NamedTuple):
-    """State of a `PID`; while it is off only the output and what it is held by count."""
+    """State of a `PID`; while it is off, only ``u`` and ``held`` matter."""
 
-    sampled: bool = False  # the last measured value and its slope are known
+    sampled: bool = False  # y and slope are valid
     engaged: bool = False
-    carried: bool = False  # the integral has the proportional part in it
+    carried: bool = False  # the integral includes the proportional part
     integral: float = 0.0
     u: float = 0.0
-    held: float = 0.0  # while off what is added to track, while engaged F
+    held: float = 0.0  # while off the output without track, while engaged F
     y: float = 0.0
     slope: float = 0.0
 
@@ -40,11 +40,11 @@ class PID:
         F_{k+1} = e^{-T/T_e} F_k
 
     with the reference r, the measured value y, its measured rate omega, a feed-forward f, and s,
-    the last output less what the actuator applied of it. The law itself is stateless: `sample`
+    the last output less the part that the actuator applied. The law itself is stateless: `sample`
     takes the state and returns the next.
 
-    While it is off, the output holds its last value; changes of ``track`` (a pilot's command, say)
-    move it. At engagement the output continues from its present value: the integral is set to the
+    While it is off, the output holds its last value, plus changes of ``track`` (e.g. a pilot's
+    command). At engagement the output continues from its present value: the integral is set to the
     held output, and F initially cancels the damping terms. F then decays, because an integral that
     absorbed a transient rate would have to unwind.
 
@@ -53,11 +53,10 @@ class PID:
     T : float
         sample period in s
     Kp, Ki, Kd, Kr, b, Tf, Tt, Te, low, high : float
-        as of `DiscretePID`, by default without gains and limits. With the default Tt, Kp / Ki, and
-        b = 1 the output leaves a limit as the error changes its sign; it is 2 T where that is less
+        as in `DiscretePID`, by default without gains and limits. The default of Tt is Kp / Ki, with
+        which for b = 1 the output leaves a limit when the error changes sign, but at least 2 T
     carry : bool
-        leave the proportional part in the integral from sample to sample, so that other gains take
-        over without a jump
+        carry the proportional part over in the integral, so that changes of gains cause no jump
 
     References
     ----------
@@ -108,16 +107,16 @@ class PID:
         b: float = 1.0,
         Tf: float = 0.0,
     ) -> None:
-        """Other gains, which are not checked, and the default of Tt for them."""
+        """Change the gains, without checks, with the default of Tt."""
         self.Kp, self.Ki, self.Kd, self.Kr, self.b = Kp, Ki, Kd, Kr, b
-        # share of the way that the derivative's low-pass goes in T
+        # gain of the derivative's low-pass filter per sample
         self._filter = -math.expm1(-self.T / Tf) if Tf else 1.0
         # without integral action, back-calculation would leave a permanent offset
         self.unwind = self.T / max(Kp / Ki, 2 * self.T) if Ki else 0.0
 
     @staticmethod
     def holding(u: float) -> PIDState:
-        """State of a law that is off and whose output is ``u``."""
+        """State of a law that is off, with output ``u``."""
         return PIDState(u=u, held=u)
 
     def sample(
@@ -139,21 +138,21 @@ class PID:
         ----------
         state : PIDState
             `START` (bumpless engagement from 0), `FROM_REST` (the textbook law from the first
-            sample on, with an integral of 0), or the state that the last sample returned
+            sample on, with an integral of 0), or the state returned by the last sample
         r, y, rate : float
             reference, measured value, measured rate
         sat : float
-            last output less what the actuator applied of it; 0 while it is not saturated
+            last output less the part that the actuator applied; 0 while it is not saturated
         off : bool
             hold the output
         track : float
-            added to the output held
+            added to the held output
         feed : float
             feed-forward, added to the output while engaged
         r_last : float
             reference of the last sample, for a state that carries the proportional part
         push : float
-            of the change of r, what acts as if b were 1
+            the part of the change of r that acts with full weight, as if b were 1
         """
         sampled, engaged, carried, integral, u, held, y_last, slope = state
         if sampled:
@@ -173,7 +172,7 @@ class PID:
                 integral += self.Kp * (1.0 - self.b) * push
         elif self.Ki:
             integral, fading = u - direct, damping
-        else:  # no integral that could unwind what was held: let it decay
+        else:  # without integral action, let the held offset decay
             integral, fading = 0.0, u - direct + damping
         v = direct + integral + (fading - damping)
         u = self.high if v > self.high else self.low if v < self.low else v
@@ -205,9 +204,9 @@ class DiscretePID(SampledLaw):
     Kd : float
         gain on the filtered derivative of y, s
     low : float
-        lowest output
+        minimum output
     high : float
-        highest output
+        maximum output
     T : float
         sample period in s
 
@@ -233,12 +232,12 @@ class DiscretePID(SampledLaw):
     rate
         measured rate of y, its unit per s
     sat
-        last output less what the actuator applied of it (an ``Aircraft`` output such as
+        last output less the part that the actuator applied (an ``Aircraft`` output such as
         ``elev_sat``); 0 while it is not saturated
     off
         0 engaged; otherwise the output holds its last value
     track
-        while off, added to the held output: passes a manual command through
+        while off, added to the held output, to pass a manual command through
     feed
         feed-forward, added to the output while engaged
 
@@ -250,7 +249,7 @@ class DiscretePID(SampledLaw):
     Raises
     ------
     ParameterError
-        if a parameter is set to something that is not a number or is out of range
+        for a parameter that is not a number or is out of range
 
     References
     ----------

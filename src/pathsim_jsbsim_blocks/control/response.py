@@ -1,4 +1,4 @@
-"""How well a response follows its reference: settling, overshoot, rise, steady error."""
+"""Quality of a step response: settling, overshoot, rise, steady error."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from numpy.typing import ArrayLike
 
 from .._core.checks import finite, must_be, number, positive, refuse
 
-# of the step: a response whose step is smaller has none
+# relative to the reference; a smaller step counts as none
 _NO_STEP = 1e-9
 
 
 @dataclass(frozen=True)
 class ResponseQuality:
-    """What `response_quality` measures of a response.
+    """Results of `response_quality`.
 
     Parameters
     ----------
     step : float
         final reference less the value at the start, unit of y
     settling : float
-        s from the start until y is within the tolerance for good; nan if it is not at the end
+        s from the start until y stays within the tolerance; nan if it is outside at the end
     overshoot : float
-        largest excess over the final reference in the direction of the step, unit of y; 0 if there
-        is none, nan without a step
+        maximum excess over the final reference in the direction of the step, unit of y; 0 without
+        overshoot, nan without a step
     rise : float
-        s from the first crossing of the lower to that of the upper share of the step; nan where y
-        does not get there, and without a step
+        s from the first crossing of the lower to that of the upper fraction of the step; nan if y
+        does not reach it, and without a step
     steady_error : float
-        largest distance from the final reference at the end, unit of y
+        maximum distance from the final reference at the end, unit of y
     """
 
     step: float
@@ -59,9 +59,9 @@ def response_quality(
 ) -> ResponseQuality:
     """Settling time, overshoot, rise time and steady error of a response to a step or a ramp.
 
-    The response starts where the reference first changes, or with the first sample if it does not,
-    and is compared with the last value of the reference. Times are interpolated between samples.
-    An angle that passes through 360 deg is unwound first (``numpy.unwrap(psi, period=360)``).
+    The response starts at the first change of the reference, or with the first sample if it does
+    not change, and is compared with the last value of the reference. Times are interpolated between
+    samples. Unwrap an angle that passes through 360 deg first (``numpy.unwrap(psi, period=360)``).
 
     Parameters
     ----------
@@ -74,12 +74,11 @@ def response_quality(
     tolerance : float, optional
         half width of the band in which y has settled, unit of y; default ``share`` of the step
     share : float
-        the same as a share of the step
+        the same as a fraction of the step
     rise : (float, float)
-        shares of the step between which the rise time is taken
+        fractions of the step between which the rise time is measured
     last : float, optional
-        length of the end over which the steady error is taken, s; default the last tenth of the
-        response
+        length of the final interval for the steady error, s; default the last tenth of the response
 
     Returns
     -------
@@ -88,9 +87,9 @@ def response_quality(
     Raises
     ------
     ParameterError
-        for arrays of other shapes, values that are not finite, time that decreases or stands
-        still, a ``tolerance``, ``share``, ``rise`` or ``last`` out of range, and a response without
-        a step where no ``tolerance`` is given
+        for arrays of different shapes, values that are not finite, time that decreases or is
+        constant, a ``tolerance``, ``share``, ``rise`` or ``last`` out of range, and a response
+        without a step and without ``tolerance``
 
     References
     ----------
@@ -114,11 +113,11 @@ def response_quality(
 
     goal = float(reference[-1])
     changes = np.flatnonzero(np.diff(reference))
-    # the response starts with the sample at which the reference has changed
+    # the response starts at the first sample with the new reference
     first = int(changes[0]) + 1 if len(changes) else 0
     t, y = t[first:], y[first:]
     if t[-1] == t[0]:
-        refuse("reference", goal, "the reference changes at the last sample: there is no response")
+        refuse("reference", goal, "the reference changes at the last sample: no response follows")
     start = float(t[0])
     step = goal - float(y[0])
     if abs(step) <= _NO_STEP * max(1.0, abs(goal)):
@@ -127,7 +126,7 @@ def response_quality(
         refuse(
             "tolerance",
             None,
-            f"y starts at the reference, {goal:g}: without a step, give the tolerance",
+            f"y starts at the reference, {goal:g}: without a step, tolerance is required",
         )
     error = y - goal
     end = t >= (t[-1] - last if last is not None else start + 0.9 * (t[-1] - start))
@@ -165,16 +164,16 @@ def _signals(time: Any, y: Any, reference: Any) -> tuple[np.ndarray, np.ndarray,
 
 def _shares(rise: Any) -> tuple[float, float]:
     if not isinstance(rise, (list, tuple)) or len(rise) != 2:
-        must_be("rise", rise, "two shares of the step, such as (0.1, 0.9)")
+        must_be("rise", rise, "two fractions of the step, such as (0.1, 0.9)")
     low, high = (number("rise", x, low=0.0, high=1.0) for x in rise)
     if not low < high:
-        refuse("rise", rise, f"the first share of rise must be below the second, not {rise!r}")
+        refuse("rise", rise, f"the first fraction of rise must be below the second, not {rise!r}")
     return low, high
 
 
 def _settling(t: np.ndarray, error: np.ndarray, band: float) -> float:
-    """When the error enters the band for good."""
-    # rounding at the band's edge is within it
+    """Time from which the error stays within the band."""
+    # with a tolerance for rounding at the band's edge
     outside = np.flatnonzero(error > band * (1.0 + 1e-9))
     if not len(outside):
         return float(t[0])
@@ -185,14 +184,14 @@ def _settling(t: np.ndarray, error: np.ndarray, band: float) -> float:
 
 
 def _reaches(t: np.ndarray, share: np.ndarray, level: float) -> float:
-    """When the response first reaches a share of its step."""
-    there = np.flatnonzero(share >= level)
-    if not len(there):
+    """Time at which the response first reaches a fraction of its step."""
+    indices = np.flatnonzero(share >= level)
+    if not len(indices):
         return math.nan
-    k = int(there[0])
+    k = int(indices[0])
     return float(t[0]) if k == 0 else _between(t, share, k - 1, level)
 
 
 def _between(t: np.ndarray, y: np.ndarray, k: int, level: float) -> float:
-    """When the line from sample k to the next crosses a level."""
+    """Time at which the line from sample k to the next crosses a level."""
     return float(t[k] + (t[k + 1] - t[k]) * (level - y[k]) / (y[k + 1] - y[k]))

@@ -21,9 +21,9 @@ class Sensor(SampledLaw):
         y_k = \\Delta \\, \\mathrm{round}\\left(\\frac{x(t_k) + b + \\sigma n_k}{\\Delta}\\right)
 
     sampled at T and held; n are independent standard normal numbers. The lag is exact for an input
-    that is linear between samples, and has settled at the first. With all parameters at 0 the
-    output is the input, sampled. The same seed gives the same noise; give sensors that
-    must be independent different seeds.
+    that is linear between samples, and settled at the first sample. With all parameters at 0 the
+    output is the sampled input. The same seed gives the same noise; use different seeds for
+    independent sensors.
 
     Parameters
     ----------

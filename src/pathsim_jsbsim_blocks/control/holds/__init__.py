@@ -10,5 +10,5 @@ from . import lateral, longitudinal
 from .lateral import *
 from .longitudinal import *
 
-if not TYPE_CHECKING:  # mypy would take a list that it cannot read for an empty one
+if not TYPE_CHECKING:  # mypy would treat a list that it cannot evaluate as empty
     __all__ = [*lateral.__all__, *longitudinal.__all__]

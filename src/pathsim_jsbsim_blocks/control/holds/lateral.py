@@ -23,7 +23,7 @@ class RollHold(Hold):
         \\delta_a = K_p (b \\, \\phi_\\mathrm{cmd} - \\phi)
         + K_i \\int (\\phi_\\mathrm{cmd} - \\phi) \\, dt - K_r p
 
-    sampled at T. The reference phi_cmd starts at the roll angle found at engagement and moves to
+    sampled at T. The reference phi_cmd starts at the roll angle at engagement and moves to
     ``phi_ref`` (parameter plus port) no faster than the gain table's ramp.
 
     Parameters
@@ -34,7 +34,7 @@ class RollHold(Hold):
     phi_ref : float, optional
         roll angle to hold in deg, right positive; default: the value at engagement
     authority : float or pair
-        largest aileron increment, of full travel
+        maximum aileron increment, of full travel
     %(T)s
     %(reference)s
 
@@ -79,9 +79,9 @@ class RollHold(Hold):
     def law(self, u: list[float], state: ReferenceState) -> tuple[list[float], ReferenceState]:
         phi, p, phi_ref, off, ail_sat, vc = u[:6]
         self.retune(vc)
-        wanted, keeps = self.roll.towards(state, phi, self.wanted("phi_ref", phi_ref))
+        target, keeps = self.roll.towards(state, phi, self.wanted("phi_ref", phi_ref))
         aileron, phi_cmd, state = self.roll.sample(
-            state, phi, p, wanted, keeps, ail_sat, off != 0.0
+            state, phi, p, target, keeps, ail_sat, off != 0.0
         )
         return [aileron, phi_cmd], state
 
@@ -97,7 +97,7 @@ class HeadingHold(Hold):
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
 
     with the roll loop of ``RollHold`` inside, sampled at T. Engaged in a turn, it levels the wings
-    and returns to the heading found at engagement.
+    and returns to the heading at engagement.
 
     Parameters
     ----------
@@ -120,8 +120,8 @@ class HeadingHold(Hold):
     %(ail_off)s
     %(vc)s
     vt
-        true airspeed in ft/s, with which the bank of straight flight follows what the aircraft
-        needs, with a failed engine for example; without a wire (0) it is that of the gains
+        true airspeed in ft/s, to estimate the bank of straight flight that the aircraft needs, for
+        example after an engine failure; if not connected (0), it is that of the gains
 
     Outputs
     -------
@@ -167,18 +167,18 @@ class YawDamper(Hold):
         &\\quad + K_\\mathrm{roll} \\, p + K_\\mathrm{bank} \\frac{180}{\\pi} \\sin \\phi
 
     sampled at T. The wash-out leaves steady turns unopposed. With the ports ``beta``, ``p`` and
-    ``phi`` wired, turns are coordinated: the last two act before any sideslip has built up. The
-    integral holds the rudder that a failed engine takes.
+    ``phi`` connected, turns are coordinated: the last two act before any sideslip has built up. The
+    integral holds the rudder required by an engine failure.
 
     Parameters
     ----------
     gains : str, YawGains or dict
         name of a gain table ("c172p"; in "737" and "global5000", whose models have their own
         damper, K is 0), or numbers: K (s/deg), tau (s), Kp (1/deg), Ki (1/(deg s)), Kroll (s/deg),
-        Kbank (1/deg, of the sine of the bank times 57.3); K, Kp and Ki are positive where positive
+        Kbank (1/deg, of the sine of the bank times 57.3); K, Kp and Ki are positive if positive
         rudder yaws the nose left
     authority : float or pair
-        largest rudder increment, of full travel
+        maximum rudder increment, of full travel
     %(T)s
 
     Inputs
@@ -188,11 +188,10 @@ class YawDamper(Hold):
     off
         0 engaged; otherwise the rudder increment decays to 0 with tau
     beta
-        angle of sideslip in deg; without a wire (0) it is not fed back, and that of a failed engine
-        remains
+        angle of sideslip in deg; if not connected (0), the sideslip of an engine failure remains
     %(vc)s
     p, phi
-        roll rate in deg/s, bank in deg; without a wire (0) they are not fed forward
+        roll rate in deg/s, bank in deg; if not connected (0), they are not fed forward
 
     Outputs
     -------

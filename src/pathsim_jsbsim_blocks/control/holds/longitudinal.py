@@ -25,7 +25,7 @@ class PitchHold(Hold):
         \\delta_e = -\\left[K_p (b \\, \\theta_\\mathrm{cmd} - \\theta)
         + K_i \\int (\\theta_\\mathrm{cmd} - \\theta) \\, dt - K_r q\\right]
 
-    sampled at T. The reference theta_cmd starts at the pitch angle found at engagement and moves to
+    sampled at T. The reference theta_cmd starts at the pitch angle at engagement and moves to
     ``theta_ref`` (parameter plus port) no faster than the gain table's ramp, so engagement is
     bumpless.
 
@@ -37,7 +37,7 @@ class PitchHold(Hold):
     theta_ref : float, optional
         pitch angle to hold in deg; default: the value at engagement
     authority : float or pair
-        largest elevator increment, of full travel
+        maximum elevator increment, of full travel
     %(T)s
     %(reference)s
 
@@ -82,9 +82,9 @@ class PitchHold(Hold):
     def law(self, u: list[float], state: ReferenceState) -> tuple[list[float], ReferenceState]:
         theta, q, theta_ref, off, elev_sat, vc = u[:6]
         self.retune(vc)
-        wanted, keeps = self.pitch.towards(state, theta, self.wanted("theta_ref", theta_ref))
+        target, keeps = self.pitch.towards(state, theta, self.wanted("theta_ref", theta_ref))
         elevator, theta_cmd, state = self.pitch.sample(
-            state, theta, q, wanted, keeps, elev_sat, off != 0.0
+            state, theta, q, target, keeps, elev_sat, off != 0.0
         )
         return [elevator, theta_cmd], state
 
@@ -98,7 +98,7 @@ class AirspeedHold(Hold):
         \\delta_t = K_p (b V_\\mathrm{cmd} - V') + K_i \\int (V_\\mathrm{cmd} - V') \\, dt
         - K_d \\dot V' + K_c \\dot h
 
-    sampled at T. The reference V_cmd starts at the airspeed found at engagement and moves to
+    sampled at T. The reference V_cmd starts at the airspeed at engagement and moves to
     ``vc_ref`` (parameter plus port) no faster than the gain table's ramp. With the rate of climb
     connected, the extra throttle for a climb is fed forward. V' is the airspeed within the gain
     table's band about the reference; beyond, each further knot of error counts as 0.2 kt, so that
@@ -112,7 +112,7 @@ class AirspeedHold(Hold):
     vc_ref : float, optional
         airspeed to hold, KCAS; default: the value at engagement
     authority : float or pair
-        largest throttle increment, of full range
+        maximum throttle increment, of full range
     %(T)s
     %(reference)s
 
@@ -160,8 +160,8 @@ class AirspeedHold(Hold):
     def law(self, u: list[float], state: ReferenceState) -> tuple[list[float], ReferenceState]:
         vc, hdot, vc_ref, off, thr_sat = u[:5]
         self.retune(vc)
-        wanted, keeps = self.speed.loop.towards(state, vc, self.wanted("vc_ref", vc_ref, vc))
+        target, keeps = self.speed.loop.towards(state, vc, self.wanted("vc_ref", vc_ref, vc))
         throttle, vc_cmd, state = self.speed.sample(
-            state, vc, hdot, wanted, keeps, thr_sat, off != 0.0
+            state, vc, hdot, target, keeps, thr_sat, off != 0.0
         )
         return [throttle, vc_cmd], state
