@@ -99,7 +99,7 @@ CASES = {
         # JSBSim would throw at the first step
         ({"integrators": {"rate_rotational": "buss 2"}}, "'adams-bashforth 5', not 'buss 2'"),
         ({"planet": "WGS84"}, "planet must be one of", "WGS-84"),
-        ({"planet": 6371.0}, "what differs from WGS-84, not 6371.0"),
+        ({"planet": 6371.0}, "differences from WGS-84, not 6371.0"),
         ({"planet": {"gm": 1.0}}, "planet key must be one of"),
         ({"planet": {"GM": 0}}, "planet['GM'] must be greater than 0"),
         ({"planet": {"semiminor_axis": 3e7}}, "must not exceed its semimajor"),
@@ -151,7 +151,7 @@ def test_refused_when_the_block_is_built(kind, keywords, text, offered):
     ("keywords", "reason", "text"),
     [
         ({"altitude": 5000, "speed": 10}, "no convergence", "the search did not converge"),
-        ({"altitude": 5000, "speed": 45}, "alpha limit", "alpha ran to the end of"),
+        ({"altitude": 5000, "speed": 45}, "alpha limit", "alpha reached the end of"),
         ({"altitude": 5000, "speed": 90, "gamma": 20}, "thrust", "gamma=20.0"),
     ],
 )

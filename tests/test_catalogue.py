@@ -347,12 +347,15 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
     [
         (["run", "elevator_doublett"], "did you mean 'elevator_doublet'"),
         (["run", "trim_envelop"], "script 'trim_envelop'; did you mean 'trim_envelope'"),
-        (["study", "climb_schedule", "--altitude", "3000"], "no --altitude; it takes --aircraft"),
+        (
+            ["study", "climb_schedule", "--altitude", "3000"],
+            "no option --altitude; it has --aircraft",
+        ),
         (["study", "aoa_vs_cas", "--speeds", "90:50:10"], "FIRST:LAST:STEP"),
         (["study", "aoa_vs_cas", "--speeds", "90:99:0"], "FIRST:LAST:STEP"),
         (["study", "trim_envelope", "--aircraft", "c17p"], "did you mean 'c172p'"),
         (["properties", "c172p", "--after", "-1"], "after must be at least 0"),
-        (["properties", "737", "theta", "--trim", "--speed", "100"], "ran to the end"),
+        (["properties", "737", "theta", "--trim", "--speed", "100"], "reached the end"),
         (["run", "hello_jsbsim", "--save", "/no/such/folder/a.png"], "no directory"),
         (["run", "hello_jsbsim", "--save", "a.foo"], "'png'"),
         (["run", "hello_jsbsim", "--save", "."], "is a directory"),

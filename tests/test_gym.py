@@ -206,7 +206,7 @@ def test_dt_is_changed_between_episodes_only():
     env.reset()
     env.step([0.1])
     env.simulation.dt = 1 / 240
-    with pytest.raises(ParameterError, match=r"dt was changed from 0\.0083.* in the episode"):
+    with pytest.raises(ParameterError, match=r"dt was changed from 0\.0083.* during the episode"):
         env.step([0.1])
     env.simulation.dt = 1 / 120
     env.step([0.1])
@@ -385,7 +385,7 @@ def test_diagrams_that_cannot_be_environments():
     with pytest.raises(ParameterError, match="did you mean 'pitch_hold'"):
         make_env("pitch_hld", **given)
     del plane
-    with pytest.raises(ParameterError, match="where make_env is called"):
+    with pytest.raises(ParameterError, match="or of the caller of make_env"):
         make_env(Simulation([Aircraft()], [], dt=1 / 120, log=False), **given)
 
 

@@ -93,7 +93,7 @@ def test_signal_by_its_label(scope):
     [
         (lambda scope: signal(scope, "pich"), "did you mean 'pitch'"),
         (lambda scope: signal(Aircraft("c172p", 5000, 90), "h"), "not Aircraft"),
-        (lambda scope: time_histories(), "no scope"),
+        (lambda scope: time_histories(), "at least one scope"),
         (lambda scope: time_histories(Scope()), "run the simulation first"),
         (lambda scope: time_histories([1.0]), "scope must be a Scope or FlightRecorder, not"),
         (lambda scope: time_histories(scope, references={"hight": 1.0}), "did you mean 'height'"),

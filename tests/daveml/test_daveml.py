@@ -258,7 +258,7 @@ def test_scattered_points_are_linear_on_triangles_and_held_beyond_them(tmp_path)
     limited = DaveModel(written(tmp_path, text.replace(y, f'{y} max="20"')))
     assert limited.evaluate({"x": 0.3, "y": 70.0})["w"] == pytest.approx(2 + 0.9 - 0.4)
     bent = text.replace(y, f'{y} extrapolate="min"')
-    with pytest.raises(DaveMLError, match="scattered points is linear, and held"):
+    with pytest.raises(DaveMLError, match="scattered points must be linear"):
         DaveModel(written(tmp_path, bent))
     one = text.replace('<independentVarRef varID="y"/>', "").replace(
         points, "<dataPoint>2 5</dataPoint><dataPoint>1 3</dataPoint>"
@@ -286,7 +286,7 @@ MALFORMED = [
     (WING.replace("-10, 0", "-10, 20"), "breakpoints must increase"),
     (WING.replace(" 1e0", ""), "4 breakpoints need 4 values, not 3"),
     (WING.replace('<bpRef bpID="A"/>', '<bpRef bpID="a"/>'), "no bpID 'a'; did you mean 'A'"),
-    (WING.replace('<independentVarRef varID="alpha"/>', ""), "has no variable"),
+    (WING.replace('<independentVarRef varID="alpha"/>', ""), "function without variables"),
     (WING.replace('varID="alpha"/>', 'varID="alpha" interpolate="cubic"/>'), "interpolate='cubic'; it must be one of linear, .*did you mean 'cubicSpline'"),
     (WING.replace('<dependentVarRef varID="CL0"/>', '<dependentVarRef varID="CL1"/>'), "no variable 'CL1'; did you mean .*'CL0'"),
     (WING.replace('varID="CL0" units="nd"/>', 'varID="CL0" units="nd"><isInput/></variableDef>'), "variable 'CL0': has more than one of input"),

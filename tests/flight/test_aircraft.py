@@ -233,7 +233,7 @@ def test_the_aircraft_limits_its_commands_and_says_by_how_much(
     plane = Aircraft(aircraft, altitude=altitude, speed=speed, gear=gear)
     constant = Constant(increment)
     sim = Simulation([constant, plane], [Connection(constant, plane[port])], dt=T, log=False)
-    beyond = pytest.warns(RuntimeWarning, match=f"{port}' is more than the whole travel")
+    beyond = pytest.warns(RuntimeWarning, match=f"{port}' exceeds the full travel")
     with beyond if abs(increment) > 2 else contextlib.nullcontext():
         sim.run(2 * T)
     # six figures of a trim whose tolerance is 1e-4 rad/s2
@@ -279,14 +279,14 @@ DRY = {f"propulsion/tank[{i}]/contents-lbs": 0.02 for i in (0, 1)}
         (
             "Concorde",
             {"altitude": 5000, "speed": 280, "gear": 0},
-            ["Concorde: engines 0, 1, 2, 3 stopped for want of fuel by t = 13 s"],
+            ["Concorde: engines 0, 1, 2, 3 stopped for lack of fuel by t = 13 s"],
         ),
         (
             "Concorde",
             {"altitude": 5000, "speed": 280, "gear": 0, "setup": {"propulsion/fuel_freeze": 1.0}},
             [],
         ),
-        ("c172p", {"speed": 90, "setup": DRY}, ["c172p: engine 0 stopped for want of fuel"]),
+        ("c172p", {"speed": 90, "setup": DRY}, ["c172p: engine 0 stopped for lack of fuel"]),
         # for want of ignition, tanks full
         ("c172p", {"speed": 90, "properties": {"propulsion/engine/set-running": 0.0}}, []),
     ],

@@ -150,7 +150,7 @@ def test_an_address_that_cannot_be_is_refused(bad):
 
 
 def test_a_host_that_is_not_found_is_refused():
-    with pytest.raises(ParameterError, match="which is not found"):
+    with pytest.raises(ParameterError, match="cannot be resolved"):
         Aircraft("c172p", speed=90, flightgear="no.such.host.invalid:5550")
 
 

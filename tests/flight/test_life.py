@@ -148,9 +148,9 @@ def test_an_aircraft_that_is_run_from_outside_ends_the_flight():
     sim = flying(plane)
     sim.run(1.0)
     plane.fdm.run()
-    with pytest.raises(FlightError, match="something else runs or holds it"):
+    with pytest.raises(FlightError, match="other code runs or holds it"):
         sim.run(1.0)
-    with pytest.raises(FlightError, match="something else runs or holds it"):
+    with pytest.raises(FlightError, match="other code runs or holds it"):
         sim.run(1.0)
 
 

@@ -138,12 +138,12 @@ def test_a_linear_model_shows_the_further_outputs_and_moves_the_fixed_inputs(met
         (
             {"input_properties": ["fcs/elevator-cmd-norm"]},
             ParameterError,
-            "which port 'elevator' writes already",
+            "but port 'elevator' writes it already",
         ),
         (
             {"input_properties": ["atmosphere/gust-down-fps"]},
             ParameterError,
-            "which port 'wind_down' writes already",
+            "but port 'wind_down' writes it already",
         ),
         (
             {"input_properties": ["left_brake", "brakes"]},

@@ -76,11 +76,11 @@ def test_fuel_burnt_is_back_after_a_reset():
     flight = keywords("Concorde") | {"setup": {}}
     fdm = JSBSimFDM(input_properties=["fcs/elevator-cmd-norm"], output_properties=OUTPUTS, **flight)
     scope, sim = wire(fdm, OUTPUTS)
-    with pytest.warns(RuntimeWarning, match="stopped for want of fuel"):
+    with pytest.warns(RuntimeWarning, match="stopped for lack of fuel"):
         sim.run(16.0)
     first = flown(scope)
     assert first[8, 0] - first[8, -1] > 100.0
-    with pytest.warns(RuntimeWarning, match="stopped for want of fuel"):
+    with pytest.warns(RuntimeWarning, match="stopped for lack of fuel"):
         sim.run(16.0, reset=True)
     assert np.array_equal(flown(scope), first)
 

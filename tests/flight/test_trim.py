@@ -236,14 +236,14 @@ def test_the_cg_really_moves_and_the_installed_model_stays():
             "737",
             {"altitude": 15000, "speed": 120, "solver": "jsbsim"},
             "alpha limit",
-            "alpha ran to the end of",
+            "alpha reached the end of",
         ),
         # a wind from behind lifts the tail, a storm from ahead the whole aircraft
         (
             "c172p",
             {"altitude": 0, "mode": "ground", "wind_north": 20},
             "pitch angle",
-            "the pitch angle ran to the end",
+            "the pitch angle reached the end",
         ),
         (
             "c172x",

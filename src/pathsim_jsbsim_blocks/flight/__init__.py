@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .fdm import JSBSimFDM
     from .linear import linear_model
 else:
-    # loaded at first use: without PathSim a worker that trims starts in a fifth of the time
+    # imported at first use: without PathSim, workers for trims start five times faster
     _WITH_PATHSIM = {"Aircraft": "aircraft", "JSBSimFDM": "fdm", "linear_model": "linear"}
 
     def __getattr__(name: str) -> Any:

@@ -27,19 +27,18 @@ from .flightgear import address
 from .property_ports import behind
 from .trimming.condition import Mode, Solver, TrimCondition
 
-# of a normalised command, -1 to 1
-_STOP_TO_STOP = 2.0
+_STOP_TO_STOP = 2.0  # travel of a normalised command, -1 to 1
 
 
 @dataclass(eq=False, repr=False)
 class Aircraft(FlightBlock):
     """Trimmed JSBSim aircraft with short ports; inputs are increments on the trimmed commands.
 
-    The aircraft is trimmed when the block is built. An input that is not wired (0) means "stay
-    trimmed". The sum of trimmed command and increment is limited to the command's range. At t = 0
-    the outputs are the trimmed state; at t_k = k T they are the state at exactly t_k; inputs are
-    read at t_k and held over [t_k, t_k+1). Parameters that are set later are checked at once, with
-    a trim on another aircraft, and act at the next reset.
+    The aircraft is trimmed when the block is built. An unconnected input (0) stays at its trim
+    value. The sum of trimmed command and increment is limited to the command's range. At t = 0 the
+    outputs are the trimmed state; at t_k = k T they are the state at exactly t_k; inputs are read
+    at t_k and held over [t_k, t_k+1). Parameters that are set later are checked immediately, by a
+    trim of another aircraft, and act at the next reset.
 
     Parameters
     ----------
@@ -91,11 +90,11 @@ class Aircraft(FlightBlock):
         0 to 1), "throttle[0]", "thrust[0]" (lbf), "h_agl" (height of the centre of gravity above
         the ground, ft), or properties of JSBSim in their unit
     sink_max : float
-        largest sink rate at which the aircraft may touch the ground, ft/s; ``inf`` sets no limit.
-        It applies to models with wheels, as ``scrape_max`` does
+        maximum sink rate at ground contact, ft/s; ``inf`` sets no limit. Like ``scrape_max`` it
+        applies only to models with wheels
     scrape_max : float
-        largest depth to which anything but a wheel may press into the ground, ft: with the default
-        of 0 nothing else may touch it; ``inf`` sets no limit
+        maximum depth to which parts other than wheels may press into the ground, ft: with the
+        default of 0 they may not touch it; ``inf`` sets no limit
     solver : str, optional
         "newton" (the default in flight) or "jsbsim", the search of published numbers, as in
         `TrimCondition`
@@ -174,9 +173,9 @@ class Aircraft(FlightBlock):
     lat, lon
         geodetic latitude and longitude, deg
     elev_sat, ail_sat, rud_sat, thr_sat
-        increment demanded minus increment applied in the last
-        period: not 0 while a command is at the end of its range (feedback against wind-up). That of
-        the throttle is the mean over the engines that run, or over all if none does
+        commanded minus applied increment of the last period: not 0 while a command is at the end of
+        its range (feedback against wind-up). For the throttle it is the mean over the running
+        engines, or over all if none runs
 
     Raises
     ------
@@ -254,14 +253,14 @@ class Aircraft(FlightBlock):
         )
 
     def _warn_of_units(self, port: int, increment: float) -> None:
-        """Warn once of an increment that must be in another unit: degrees, or percent."""
+        """Warn once about an increment that is probably in degrees or percent."""
         if self._warned_of_units or abs(increment) <= _STOP_TO_STOP:
             return
         self._warned_of_units = True
         name = list(self.input_port_labels)[port]
         warn_user(
-            f"{type(self).__name__}: {increment:g} at {name!r} is more than the whole travel: "
-            "commands are normalised (-1 to 1, throttle 0 to 1), neither degrees nor percent"
+            f"{type(self).__name__}: {increment:g} at {name!r} exceeds the full travel: "
+            "commands are normalised (-1 to 1, throttle 0 to 1), not degrees or percent"
         )
 
     def trimmed_inputs(self) -> list[float]:
@@ -272,7 +271,7 @@ class Aircraft(FlightBlock):
         self._check_properties(
             {self.airframe.canonical(name): port for port, name in writes.items()}
         )
-        # of elevator, aileron, rudder and throttle over their limits
+        # excess of elevator, aileron, rudder and throttle over their limits
         excess = [0.0] * list(OUTPUTS.values()).count(EXCESS)
         return self._writer(excess), self._reader(excess)
 
@@ -280,7 +279,7 @@ class Aircraft(FlightBlock):
         state, writer, canonical = self.trim, self.airframe.writer, self.airframe.canonical
         # JSBSim limits the sum of command and pitch trim
         least, most = max(-1.0, -1.0 - state.pitch_trim), min(1.0, 1.0 - state.pitch_trim)
-        surfaces = [  # writer, trimmed command, lowest and highest command
+        surfaces = [  # writer, trimmed command, minimum and maximum command
             (writer(SURFACES["elevator"]), state.elevator, least, most),
             (writer(SURFACES["aileron"]), state.aileron, -1.0, 1.0),
             (writer(SURFACES["rudder"]), state.rudder, -1.0, 1.0),
@@ -289,7 +288,7 @@ class Aircraft(FlightBlock):
             (self.input_port_labels[name], behind(name, SHORT_INPUTS))
             for name in self._further(self.inputs)
         ]
-        # of single engines; port 0 is the elevator
+        # ports of single engines; 0, the elevator's, stands for none
         own = {canonical(names[0]): port for port, names in added}
         commands = throttles(len(state.throttle))
         engines = [
@@ -333,7 +332,7 @@ class Aircraft(FlightBlock):
                     over = True
                     self._warn_of_units(3, u[3])
             excess[3] = mean_of_running() if over else 0.0
-            # a gust among the block's properties stays where no wire comes in
+            # write only changes: a gust in the block's properties stays if no port is connected
             if u[4] != north or u[5] != east or u[6] != down:
                 for put, speed, before in zip(gusts, u[4:7], (north, east, down), strict=True):
                     if speed != before:
@@ -365,7 +364,7 @@ class Aircraft(FlightBlock):
 
 
 class _Further:
-    """An input for further properties: increments on what they are after the trim."""
+    """An input for further properties: increments on their values after the trim."""
 
     def __init__(self, port: int, names: Sequence[str], airframe: Airframe):
         self._port = port
@@ -377,7 +376,7 @@ class _Further:
         command = names in SHORT_INPUTS.values()
         self._high = 1.0 if command else math.inf
         self._low = -1.0 if names == SHORT_INPUTS["steering"] else 0.0 if command else -math.inf
-        # from the first value other than 0 on
+        # values at the first increment other than 0
         self._start: list[float] | None = None
 
     def move(self, u: list[float]) -> None:

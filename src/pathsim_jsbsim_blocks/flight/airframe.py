@@ -43,9 +43,9 @@ from .writable import ENGINE_RUNS
 
 _TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
 _MIXTURE = re.compile(r"fcs/mixture-cmd-norm(\[\d+\])?$")
-# how JSBSim names an output that goes to a socket
+# JSBSim's name of an output to a socket
 _SOCKET = re.compile(r":\d+/(TCP|UDP)$")
-# s, in which nothing moves
+# s, too short for any motion
 _INSTANT = 1e-12
 
 
@@ -168,9 +168,9 @@ class Airframe(PropertyTree):
         return other
 
     def resemble(self, other: Airframe) -> None:
-        """Take what was written to another airframe of the model, its fuel and stopped engines.
+        """Copy the properties written to another airframe of the model, its fuel, stopped engines.
 
-        Direct writes to its ``fdm`` are not known.
+        Direct writes to its ``fdm`` are not copied.
         """
         self.write(other._written)
         for tank in self.tanks:
@@ -179,7 +179,7 @@ class Airframe(PropertyTree):
 
     def _open(self) -> None:
         self._load_with_all()
-        # in this order: a model brings its planet, and a planet resets the integrators
+        # in this order: a model may define a planet, and a planet resets the integrators
         if self._planet is not None:
             self._do("put aircraft {!r} on this planet", self._load_planet)
         for name, value in self._equations.items():
@@ -192,14 +192,14 @@ class Airframe(PropertyTree):
     def _load_with_all(self) -> None:
         """Load the model with all properties to which it refers; AircraftError names those missing.
 
-        Loading ends at the first that it needs at once, so this goes on with that one as 0.
+        Loading stops at the first one that it needs immediately, so repeat it with that one as 0.
         """
         lacking: dict[str, float] = {}
         while True:
             failure = self._load_in_new_executive({**lacking, **self.created})
             missing = self._file.references_beyond(self._properties.hasNode)
             if missing:
-                # its destructor reads them, and ends the process where that fails
+                # its destructor reads them, and would end the process
                 never_free(self.fdm)
             named = re.findall(r"[\w/\[\].-]+", failure)
             further = [name for name in missing if not failure or name in named]
@@ -215,7 +215,7 @@ class Airframe(PropertyTree):
             _warn_once(f"aircraft {self.aircraft!r}: {self.created_as_zero()}", self._file.path)
 
     def _load_in_new_executive(self, created: Mapping[str, float]) -> str:
-        """Why the model does not load, where these properties exist before it; empty if it does."""
+        """Load the model after creating properties; return why it failed, or an empty text."""
         capture_console()
         self.fdm = jsbsim.FGFDMExec(None if self.root is None else os.fspath(self.root))
         if not self._network:
@@ -263,7 +263,7 @@ class Airframe(PropertyTree):
         return _with_file(str(self._planet), lambda file: self.fdm.load_planet(file, False))
 
     def _do(self, what: str, action: Callable[[], bool]) -> None:
-        """Raise AircraftError where an action of JSBSim fails, with what it says."""
+        """Raise AircraftError with JSBSim's message if an action of JSBSim fails."""
         if failure := failure_of(action):
             raise self._cannot(what, failure)
 
@@ -276,7 +276,9 @@ class Airframe(PropertyTree):
         # a typo in the model's own XML would become a term that is always 0
         own = [name for name in lacking if not name.startswith("/")]
         close = {name: [n for n in self._similar(name) if n not in lacking][:2] for name in own}
-        hints = {name: f" ({did_you_mean(near)[2:]})" for name, near in close.items() if near}
+        hints = {
+            name: f" ({did_you_mean(similar)[2:]})" for name, similar in close.items() if similar
+        }
         names = ", ".join(f"{name!r}{hints.get(name, '')}" for name in lacking)
         create = self.created | dict(lacking)
         return AircraftError(
@@ -284,7 +286,7 @@ class Airframe(PropertyTree):
             f"come from outside (FlightGear), create them with create={create}, or as 0 with "
             "create='missing'",
             aircraft=self.aircraft,
-            nearest=[name for near in close.values() for name in near],
+            nearest=[name for similar in close.values() for name in similar],
             missing=lacking,
         )
 
@@ -303,7 +305,7 @@ class Airframe(PropertyTree):
         """
         if failure := failure_of(self.fdm.run_ic):
             missing = re.findall(r"property (\S+) does not exist", failure)
-            if missing:  # although no file refers to it in a way that is known
+            if missing:  # referred to in a way that `references` does not recognise
                 never_free(self.fdm)
                 raise self._lacks(dict.fromkeys(missing, 0.0))
             raise self._cannot("initialise aircraft {!r}", failure)
@@ -323,7 +325,7 @@ class Airframe(PropertyTree):
 
     @property
     def engine_list(self) -> tuple[Engine, ...]:
-        """The engines by what they are, as the model's files say."""
+        """The engines with their types, from the model's files."""
         if self._engine_list is None:
             self._engine_list = engines_of(self._file.path, self.engines)
         return self._engine_list
@@ -336,7 +338,7 @@ class Airframe(PropertyTree):
         """The usable fuel in those of the tanks feeding an engine that are open, lb."""
         fdm, usable = self.fdm, 0.0
         for path in map("propulsion/tank[{}]".format, engine.tanks):
-            # models shut a tank by a priority of 0
+            # a priority of 0 shuts a tank
             if fdm[f"{path}/priority"] > 0.0:
                 rest = fdm[f"{path}/unusable-volume-gal"] * fdm[f"{path}/density-lbs_per_gal"]
                 usable += max(fdm[f"{path}/contents-lbs"] - rest, 0.0)
@@ -352,16 +354,16 @@ class Airframe(PropertyTree):
         return [self.fuel_of(engine) for engine in self.burning()]
 
     def without_fuel(self) -> list[Engine]:
-        """Engines that are not stopped, while no tank gives them the fuel they burn."""
+        """Engines that are not stopped and get no fuel from any tank."""
         return [engine for engine in self.burning() if self.fuel_of(engine) <= 0.0]
 
     def marks(self) -> dict[int, bool]:
-        """Whether each engine runs, of those that JSBSim marks as running or stopped."""
+        """Whether each engine runs, for those that JSBSim marks as running or stopped."""
         runs = "propulsion/engine[{}]/set-running".format
         return {e.number: bool(self.fdm[runs(e.number)]) for e in self.engine_list if e.is_marked}
 
     def running_readers(self) -> list[Callable[[], float]]:
-        """Functions that tell whether each engine runs; one that follows its throttle does."""
+        """Functions that tell whether each engine runs; always, if it follows its throttle."""
         runs = "propulsion/engine[{}]/set-running".format
         return [
             (lambda: 1.0) if engine.follows_throttle else self.reader(runs(engine.number))
@@ -373,14 +375,14 @@ class Airframe(PropertyTree):
         return [i for i, runs in self.marks().items() if not runs and i not in self.stopped]
 
     def starved(self) -> list[int]:
-        """Engines that have stopped while no tank gives them fuel."""
+        """Engines that have stopped for lack of fuel."""
         marks = self.marks()
         if all(marks.values()) and not self.has_kind("rocket"):
             return []
         return [e.number for e in self.without_fuel() if not marks.get(e.number)]
 
     def freeze_fuel(self, frozen: bool = True) -> None:
-        """Let no engine burn fuel or starve; or else leave fuel as `write` has set it."""
+        """Stop fuel consumption; with False restore the setting made by `write`."""
         name = "propulsion/fuel_freeze"
         if self.engines:
             # it cannot be read
@@ -404,7 +406,7 @@ class Airframe(PropertyTree):
                 self._stop_engine(i)
             else:
                 self.fdm["propulsion/set-running"] = i
-        # JSBSim starts them with the mixture full rich
+        # JSBSim starts engines at full rich mixture: restore the mixtures written
         for name, value in self._written.items():
             if _MIXTURE.match(name):
                 self.fdm[name] = value
@@ -419,7 +421,7 @@ class Airframe(PropertyTree):
         self._command(i, {"magneto_cmd": 3.0, "starter_cmd": float(starter)})
 
     def _command(self, i: int, commands: Mapping[str, float]) -> None:
-        """Write commands of the engines for one of them, as far as its type has them."""
+        """Write commands for one engine, those that its type has."""
         fdm = self.fdm
         before = fdm["propulsion/active_engine"]
         fdm["propulsion/active_engine"] = i
@@ -430,10 +432,10 @@ class Airframe(PropertyTree):
 
     @contextlib.contextmanager
     def governors_off(self) -> Iterator[None]:
-        """Let no governor move a propeller's blades while JSBSim starts and settles engines.
+        """Context with propeller governors off, for JSBSim's starting and settling of engines.
 
-        It does that in steps of 0.5 s, in which a governor would jump between the pitch stops until
-        the engine stalls.
+        JSBSim does that in steps of 0.5 s, in which a governor would jump between the pitch stops
+        until the engine stalls.
         """
         on = [name for name in self.of_engines("constant-speed-mode") if self.fdm[name]]
         try:
@@ -450,13 +452,13 @@ class Airframe(PropertyTree):
         return self._file.path.parent
 
     def run_no_time(self) -> None:
-        """A step of JSBSim in which nothing moves; its systems take a step of usual length."""
+        """A step of JSBSim without motion; its systems take a step of the usual length."""
         self.fdm.set_dt(_INSTANT)
         self.fdm.run()
         self.fdm.set_dt(self.dt)
 
     def start_turbines(self) -> None:
-        """Take the step with which JSBSim starts turbines at idle, and keep their speeds."""
+        """Make the step in which JSBSim starts turbines at idle, and restore their speeds."""
         speeds = {name: self.fdm[name] for name in self.of_engines("n1")}
         self.run_no_time()
         for name, speed in speeds.items():
@@ -464,9 +466,9 @@ class Airframe(PropertyTree):
 
     @contextlib.contextmanager
     def held(self) -> Iterator[None]:
-        """Let the aircraft stand in its state of flight while engines and systems run on.
+        """Context in which the flight state is frozen while engines and systems run.
 
-        No fuel is burnt, and actuators are at their commands.
+        No fuel is burnt, and actuators are at their commanded positions.
         """
         fdm = self.fdm
         methods = {name: fdm[name] for name in INTEGRATORS}
@@ -482,9 +484,9 @@ class Airframe(PropertyTree):
 
     @contextlib.contextmanager
     def engines_stopped(self) -> Iterator[None]:
-        """Keep stopped jet engines without thrust where JSBSim takes no step in time.
+        """Context that removes the thrust of stopped jet engines outside of a flight.
 
-        Outside of a flight JSBSim lets a turbine have the thrust of its throttle, running or not.
+        Without a step in time JSBSim gives a turbine the thrust of its throttle, running or not.
         """
         names = [f"propulsion/engine[{i}]/reverser-angle-rad" for i in self.stopped]
         before = {name: self.fdm[name] for name in names if self.has(name)}
@@ -502,7 +504,7 @@ class Airframe(PropertyTree):
         Raises
         ------
         PropertyError, ParameterError
-            for an unknown property or a value that is not possible (nothing is written), or for
+            for an unknown property or an impossible value (then no property is written), or for
             more fuel than a tank holds
         """
         values = mapping(what, values)
@@ -530,12 +532,12 @@ class Airframe(PropertyTree):
 
 @functools.cache
 def _warn_once(message: str, model: Path) -> None:
-    """Warn once in a process: a block opens its model again for a reset or a linear model."""
+    """Warn once per process: a block reopens its model for a reset or a linear model."""
     warn_user(message)
 
 
 def _with_file(xml: str, read: Callable[[str], bool]) -> bool:
-    """Let JSBSim read an XML text, which it takes from files only."""
+    """Let JSBSim read an XML text, which it accepts only as a file."""
     with tempfile.TemporaryDirectory(prefix="jsbsim-") as folder:
         file = Path(folder, "given.xml")
         file.write_text(xml, encoding="utf-8")

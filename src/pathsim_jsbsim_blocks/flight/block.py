@@ -1,4 +1,4 @@
-"""`FlightBlock`: what all aircraft blocks share."""
+"""`FlightBlock`: base of all aircraft blocks."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ _UNDERGROUND = -1.0
 # parameters that are those of the airframe
 _OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {"aircraft", "dt", "empty_cg_x"}
 
-# parameters that are those of its trim condition: a block's own setup is written after its
+# parameters that are fields of a trim condition; a block's own setup is written after the field's
 _OF_CONDITION = {f.name for f in fields(TrimCondition)} - {"setup"}
 
 Write = Callable[[list[float]], None]
@@ -70,7 +70,7 @@ Read = Callable[[], list[float]]
 
 
 class FlightBlock(Parametric, SampledPlant):
-    """What the aircraft blocks share: life, time, inputs and outputs of one JSBSim aircraft."""
+    """Base of the aircraft blocks: life, time, inputs and outputs of one JSBSim aircraft."""
 
     input_port_labels: Any
     output_port_labels: Any
@@ -121,7 +121,7 @@ class FlightBlock(Parametric, SampledPlant):
             return
         self._check_properties()
         if self._flight_key() != self._flying:
-            # this aircraft flies on; another one tries what acts at the next reset
+            # try the parameters for the next reset on another aircraft; this one keeps flying
             from_trim.twin(self)
 
     def _change(self, values: dict[str, Any]) -> None:
@@ -139,26 +139,26 @@ class FlightBlock(Parametric, SampledPlant):
 
     def _check_properties(self, taken: Mapping[str, str] = {}) -> None:
         """Refuse properties that cannot be ports; ``taken`` are those that fixed ports write."""
-        for parameter, names, ports, short, known in (
+        for parameter, names, ports, short, occupied in (
             ("input_properties", self.input_properties, self.inputs, self._short[0], taken),
             ("output_properties", self.output_properties, self.outputs, self._short[1], {}),
         ):
-            check_ports(parameter, names, self._further(ports), self.airframe, short, known)
+            check_ports(parameter, names, self._further(ports), self.airframe, short, occupied)
 
     def _model(self) -> str:
-        """Name of the model that the block's parameters ask for."""
+        """Name of the model, from the block's parameters."""
         raise NotImplementedError
 
     def _condition(self) -> TrimCondition:
-        """The condition that the block's parameters ask for, flat or as a condition, not both."""
+        """The condition from the block's parameters: single ones or ``condition``, not both."""
         defaults = {f.name: f.default for f in fields(self)}
         names = {name: self._trim_names.get(name, name) for name in defaults}
-        given = {name: field for name, field in names.items() if field in _OF_CONDITION}
+        trim_fields = {name: field for name, field in names.items() if field in _OF_CONDITION}
         if self.condition is None:
-            asked = {field: getattr(self, name) for name, field in given.items()}
+            asked = {field: getattr(self, name) for name, field in trim_fields.items()}
             return TrimCondition(**{"solver": self._solver, **asked})
         check_condition(self.condition)
-        for name in given:
+        for name in trim_fields:
             value = getattr(self, name)
             if np.any(value != defaults[name]):  # an array is refused here too
                 why = f"both condition and {name}={value!r} are given: put {name} into the "
@@ -174,7 +174,7 @@ class FlightBlock(Parametric, SampledPlant):
         raise NotImplementedError
 
     def trim_here(self, **changes: Any) -> TrimState:
-        """Trim the flight as it is now, on another aircraft: this one flies on untouched.
+        """Trim the present flight on another aircraft; this one is not affected.
 
         Altitude, airspeed, path angle through the air, heading, wind, place, gear, flaps, fuel,
         payload and the engines that run are those of this moment, the rest is the block's
@@ -206,8 +206,8 @@ class FlightBlock(Parametric, SampledPlant):
     ) -> LinearModel:
         """Linear model of the aircraft about its trim, with the block's ports.
 
-        It is made with other aircraft: this flight is not touched, at any time, and what has
-        been flown has no influence. The model is that of the trim, in mid-run too.
+        It is identified on separate aircraft, so the current flight is undisturbed. The model is
+        always linearised about the trim, also during a run.
 
         Parameters
         ----------
@@ -229,9 +229,9 @@ class FlightBlock(Parametric, SampledPlant):
         -----
         RuntimeWarning
             for each input with a response to a doublet, upwards first, that is not linear: its even
-            part is above 10 % of the odd part, or the model's error above 5 % in what the command
-            is for (theta and q for the elevator, phi and p for the aileron, beta and r for the
-            rudder, vt for the throttle) or above 15 % in the rest
+            part is above 10 % of the odd part, or the model's error above 5 % in the command's
+            primary responses (theta and q for the elevator, phi and p for the aileron, beta and r
+            for the rudder, vt for the throttle) or above 15 % in the others
 
         Raises
         ------
@@ -409,11 +409,11 @@ class FlightBlock(Parametric, SampledPlant):
         return u
 
     def advance(self, index: int, u: list[float]) -> list[float]:
-        # in line, because a call or a look-up takes as long as reading an output
+        # inlined, because a call or an attribute look-up costs as much as reading an output
         run, sim_time, write, read, speed, height, nz, reach, touch, numbers = self._bound
         substeps, time_zero, period, half_step = numbers
         if get_ident() != self._thread:
-            # a diagram may go on in another thread, where JSBSim's console is another one
+            # JSBSim has a console per thread, and a diagram may continue in another thread
             self._thread = get_ident()
             capture_console()
         # an interrupt may have come before the inputs were written, or between the steps
@@ -443,14 +443,14 @@ class FlightBlock(Parametric, SampledPlant):
         return self.clock.start + index * self.clock.period
 
     def _check_fuel(self, index: int) -> None:
-        """Warn of engines that have stopped for want of fuel since the last look."""
+        """Warn about engines that have stopped for lack of fuel since the last check."""
         before, self._starved = self._starved, self.airframe.starved()
         self._fuel_at = index + _FUEL_CHECK / self.clock.period
         engines = [str(i) for i in self._starved if i not in before]
         if engines:
             warn_user(
                 f"{self.airframe.aircraft}: engine{'s' * (len(engines) > 1)} {', '.join(engines)} "
-                f"stopped for want of fuel by t = {self._time(index):.4g} s: the tanks that feed "
+                f"stopped for lack of fuel by t = {self._time(index):.4g} s: the tanks that feed "
                 "them are empty"
             )
 
@@ -465,11 +465,11 @@ class FlightBlock(Parametric, SampledPlant):
         raise FlightError(message, aircraft=aircraft, time=t, name=name, value=value) from None
 
     def _fail(self, what: str, name: str, value: float, t: float) -> NoReturn:
-        """End a flight where a quantity makes it impossible."""
+        """End a flight because of an impossible value."""
         self._end(f": {what} is {value:.6g} at t = {t:.9g} s", name, value, t)
 
     def _fail_step(self, index: int, error: Exception) -> NoReturn:
-        """End a flight where an input has no possible value, or JSBSim gives up."""
+        """End a flight because of a refused input, or of an exception in JSBSim."""
         t, name = self._time(index - 1), getattr(error, "parameter", "")
         why = f" at t = {t:.9g} s: {' '.join(str(error).split())}"
         self._end(why, name, getattr(error, "value", nan), t)
@@ -477,11 +477,11 @@ class FlightBlock(Parametric, SampledPlant):
     def _fail_time(self, index: int) -> NoReturn:
         time = self.fdm.get_sim_time() - self._time_zero
         why = f": its clock shows {time:.9g} s after {index} periods of {self.clock.period:.9g} s: "
-        why += "something else runs or holds it. Fly on after a reset"
+        why += "other code runs or holds it. Reset the simulation to fly again"
         self._end(why, "simulation/sim-time-sec", time, self._time(index))
 
     def _check(self, y: list[float], t: float) -> None:
-        """End the flight at ``t`` if the aircraft cannot be flown on."""
+        """End the flight at ``t`` if it cannot continue."""
         watched = {name: self.airframe.fdm[name] for name in _WATCHED}
         for name, value in [*zip(port_names(self.outputs), y, strict=False), *watched.items()]:
             if not isfinite(value):
@@ -494,7 +494,7 @@ class FlightBlock(Parametric, SampledPlant):
             self._fail(what, height, watched[height], t)
 
     def _flight_key(self) -> str:
-        """What the parameters ask for: the same for a flight to be flown again."""
+        """Text of all parameters, equal if a flight can be repeated."""
         # as a text, because arrays do not compare to one value
         return repr([getattr(self, f.name) for f in fields(self)])
 

@@ -1,4 +1,4 @@
-"""What a linear model measures and moves: ports and states as JSBSim properties with units."""
+"""Inputs, outputs and states of linear models as JSBSim properties with units."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ RIGID = tuple(map(port_channel, _STATES))
 # engine states that JSBSim shows
 _ENGINE = {"propeller-rpm": "rpm", "map-inhg": "inHg", "thrust-lbs": "lbf"}
 
-# nothing that moves an aircraft depends on these: they integrate what does
+# ignorable coordinates: the dynamics do not depend on them
 _IGNORABLE = re.compile(
     r"attitude/(psi|heading)|position/(lat|long|distance|ecef|eci|from-start|vrp-.*(lat|long))"
 )
@@ -62,25 +62,25 @@ _UNITS = {
 
 
 def unit_of(name: str) -> str:
-    """The unit in which JSBSim's name of a property says that it is; "" if it says none."""
+    """The unit in JSBSim's name of a property; "" if it has none."""
     base = re.sub(r"\[\d+\]$", "", name)
     suffixes = sorted((s for s in _UNITS if base.endswith(s)), key=len)
     return _UNITS[suffixes[-1]] if suffixes else ""
 
 
 def engine_channels(airframe: Airframe) -> list[Channel]:
-    """The engine states that an aircraft has."""
-    found = []
+    """The engine states of an aircraft."""
+    channels = []
     for i in range(airframe.engines):
         for quantity, unit in _ENGINE.items():
             name = f"propulsion/engine[{i}]/{quantity}"
             if airframe.has(name):
-                found.append(Channel(f"{quantity.partition('-')[0]}[{i}]", (name,), 1.0, unit))
-    return found
+                channels.append(Channel(f"{quantity.partition('-')[0]}[{i}]", (name,), 1.0, unit))
+    return channels
 
 
 def ignorable(channel: Channel) -> bool:
-    """Whether nothing else depends on a quantity."""
+    """Whether a quantity is an ignorable coordinate, on which the dynamics do not depend."""
     return any(_IGNORABLE.match(name) for name in channel.properties)
 
 
@@ -90,11 +90,11 @@ def acceleration(channel: Channel) -> bool:
 
 
 def as_shown(channel: Channel, value: float) -> float:
-    """A property's value in the channel's unit, as the ports show it: a heading of 360 as 0."""
+    """A property's value in the channel's unit, as at the ports: a heading of 360 is 0."""
     value = channel.factor * value
     return 0.0 if channel.unit == "deg" and value > ALMOST_NORTH else value
 
 
 def full_circle(channel: Channel) -> float:
-    """Where an angle starts anew, in its unit; 0 for other quantities."""
+    """The period of an angle in its unit; 0 for other quantities."""
     return {"deg": 360.0, "rad": 2.0 * math.pi}.get(channel.unit, 0.0)

@@ -109,7 +109,7 @@ def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, l
 
 
 def failure_of(action: Callable[[], bool]) -> str:
-    """Why an action of JSBSim failed, in one line; empty if it did not."""
+    """The reason why an action of JSBSim failed, in one line; empty if it succeeded."""
 
     def attempt() -> str:
         try:
@@ -117,18 +117,18 @@ def failure_of(action: Callable[[], bool]) -> str:
         except Exception as error:
             return " ".join(str(error).split())
 
-    failure, said = messages(attempt)
+    failure, records = messages(attempt)
     if not failure:
         return ""
-    text = " ".join(_errors(said)) or failure
-    # the cause comes last
+    text = " ".join(_errors(records)) or failure
+    # JSBSim reports the cause last
     return text if len(text) <= _LONGEST else f"... {text[-_LONGEST:]}"
 
 
-def _errors(said: Sequence[Message]) -> list[str]:
-    """Texts of the errors, but for those that a warning of the same line of XML has explained."""
+def _errors(records: Sequence[Message]) -> list[str]:
+    """Texts of the errors, except those explained by a warning for the same line of XML."""
     texts, warned = [], ""
-    for level, text in said:
+    for level, text in records:
         place = text.partition(": ")[0]
         if level >= logging.ERROR and place != warned:
             texts.append(text)
@@ -144,7 +144,7 @@ def _install(logger: jsbsim.FGLogger) -> None:
 
 
 def never_free(*things: object) -> None:
-    """Keep these objects to the end of the process."""
+    """Keep these objects alive until the end of the process."""
     for thing in things:
         if id(thing) not in _kept:
             _kept.add(id(thing))

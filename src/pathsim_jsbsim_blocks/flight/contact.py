@@ -7,8 +7,8 @@ import math
 from .._core.aircraft_ports import property_of
 from .airframe import Airframe
 
-# friction coefficients of JSBSim's "bogey" contacts: models use these for skids, wing tips and
-# floats too, which slide with 0.2 or roll with more than half of what they slide with
+# friction coefficients that tell wheels from other "bogey" contacts: skids, wing tips and floats
+# have a sliding friction of 0.2, or a rolling friction above half the sliding friction
 _TYRE_SLIDES, _TYRE_ROLLS = 0.3, 0.5
 
 # ft; the centre of gravity moves as fuel burns
@@ -18,11 +18,11 @@ _SINK = property_of("hdot")
 
 
 class GroundContact:
-    """Watches a trimmed aircraft near the ground; what touches at the start may go on touching.
+    """Monitors ground contact of a trimmed aircraft; parts that touch initially are exempt.
 
-    ``sink_max`` is the largest sink rate at contact, ft/s; ``scrape_max`` the largest depth to
+    ``sink_max`` is the maximum sink rate at contact, ft/s; ``scrape_max`` the maximum depth to
     which a part that is not a wheel may press into the ground, ft; ``reach`` the height of the
-    centre of gravity above the ground, ft, from which on nothing can touch, -inf if unwatched.
+    centre of gravity above the ground, ft, above which no part can touch, -inf if not monitored.
     """
 
     def __init__(self, airframe: Airframe, sink_max: float, scrape_max: float):
@@ -42,12 +42,12 @@ class GroundContact:
         self._wheels = len(wheels)
         self._read = airframe.reader_of([_SINK, *self._on, *self._depth])
         hdot, *touching = self._read()
-        # rate of climb before, and what has touched without a break since the start
+        # previous rate of climb, and the parts that have touched without interruption
         self._hdot, self._touches = hdot, touching[: len(units)]
         self._spared = [on != 0.0 for on in self._touches[self._wheels :]]
 
     def broken(self) -> tuple[str, str, float] | None:
-        """What is wrong in words, the property that shows it and its value; None for a landing."""
+        """Text of the violation, its property and the value; None if there is none."""
         hdot, *values = self._read()
         n = len(self._on)
         touches, depths = values[:n], values[n:]
@@ -56,7 +56,7 @@ class GroundContact:
         if touches == was and not any(depths):
             return None
         if any(now and not then for now, then in zip(touches, was, strict=True)):
-            # the ground has slowed it down in the period of the contact
+            # the sink rate before the contact: the ground has reduced it since
             fastest = min(before, hdot)
             if -fastest > self._sink_max:
                 what = f"touched the ground faster than {self._sink_max:g} ft/s, rate of climb"

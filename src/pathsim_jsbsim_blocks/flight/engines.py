@@ -1,4 +1,4 @@
-"""Engines of a model by what they are: JSBSim's Python has no engine objects, its XML has types."""
+"""Types of a model's engines, from its XML: JSBSim's Python has no engine objects."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from .references import model_file
 
-# root elements of the files of engines and thrusters, and what they are
+# types by the root elements of the files of engines and thrusters
 _KINDS = {
     "piston_engine": "piston",
     "turbine_engine": "turbine",
@@ -29,8 +29,8 @@ class Engine(NamedTuple):
     number : int
         its number, from 0
     type : str
-        "piston", "turbine", "turboprop", "rocket", "electric", or "unknown" where its file cannot
-        be read
+        "piston", "turbine", "turboprop", "rocket", "electric", or "unknown" if its file cannot be
+        read
     thruster : str
         "propeller", "nozzle", "direct", "rotor" or "unknown"
     tanks : tuple[int, ...]
@@ -54,7 +54,7 @@ class Engine(NamedTuple):
 
     @property
     def follows_throttle(self) -> bool:
-        """Whether it has power whenever its throttle is open, which nothing else can stop."""
+        """Whether only its throttle can stop it."""
         return self.type in ("electric", "rocket")
 
 

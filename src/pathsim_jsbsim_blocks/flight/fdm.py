@@ -20,11 +20,11 @@ _ROUNDING = 1e-9  # of a search that ends at 0
 class JSBSimFDM(FlightBlock):
     """JSBSim aircraft with any of its properties as ports.
 
-    The aircraft is trimmed when the block is built: as ``condition`` says, or by JSBSim's own
-    search where the trim parameters ask for it. At t = 0 the outputs are the trimmed state; at
-    t_k = k T they are the state at exactly t_k; inputs are read at t_k and held over [t_k, t_k+1).
-    Input values replace the property's value (absolute): an input that is not wired writes 0.
-    Parameters that are set later are checked at once and act at the next reset, as in `Aircraft`.
+    The aircraft is trimmed when the block is built: at ``condition``, or by JSBSim's own search at
+    the trim parameters. At t = 0 the outputs are the trimmed state; at t_k = k T they are the state
+    at exactly t_k; inputs are read at t_k and held over [t_k, t_k+1). Input values replace the
+    property's value (absolute): an unconnected input writes 0. Parameters that are set later are
+    checked immediately and act at the next reset, as in `Aircraft`.
 
     The first eight parameters of the signature are those of pathsim-flight's ``JSBSimWrapper``,
     which this block replaces: that one runs a step ahead of the clock and does not reset.

@@ -14,8 +14,8 @@ from .trimming import TrimState, trim
 from .trimming.condition import Solver, TrimCondition
 from .trimming.nearest import level_speed
 
-# (altitude in ft, lift coefficient): the first suits most aircraft, the second engines that are
-# too weak at 5000 ft (pa28), the third aircraft for which 0.4 is too fast
+# (altitude in ft, lift coefficient): the first suits most aircraft, the second those with too
+# little power at 5000 ft (pa28), the third those for which a lift coefficient of 0.4 is too fast
 TRIES = ((5000.0, 0.4), (2000.0, 0.4), (5000.0, 0.6))
 
 # the same for a glide; bodies with little lift (Shuttle, x24b) need the low coefficients
@@ -24,18 +24,18 @@ GLIDES = ((5000.0, 0.4), (5000.0, 0.6), (5000.0, 0.2), (2000.0, 0.3), (2000.0, 0
 
 @dataclass(frozen=True)
 class LevelFlight:
-    """A condition at which an aircraft flies level, or a glider glides, and the trim found there.
+    """A condition at which an aircraft flies level, or a glider glides, and the trim.
 
     Attributes
     ----------
     aircraft : str
         the model's name
     condition : TrimCondition
-        where it trims: retractable gear up, fuel frozen
+        the condition: retractable gear up, fuel frozen
     create : dict
         properties that the model expects from its environment, with their values
     trim : TrimState
-        the trim found
+        the trim
     """
 
     aircraft: str
@@ -78,7 +78,7 @@ def level_flight(
     AircraftError
         if the model is unknown, cannot be loaded, or cannot be initialised
     TrimError
-        if it trims at none of these; the residuals are those of the first
+        if it trims at none of the conditions; the residuals are those of the first
     """
     tries = integer("tries", tries, low=1)
     airframe, _ = prepared(aircraft, root, create)
@@ -106,8 +106,8 @@ def first_trim(
         try:
             # a failed search affects the next one, so each has its own airframe
             fresh = Airframe(aircraft, root=root, create=create)
-            found = trim(fresh, condition, hint=False, fly=fly)
-            return LevelFlight(aircraft, condition, create, found)
+            state = trim(fresh, condition, hint=False, fly=fly)
+            return LevelFlight(aircraft, condition, create, state)
         except TrimError as error:
             first = first or error
     assert first is not None

@@ -1,4 +1,4 @@
-"""FlightGear shows a flight: JSBSim sends its state in FlightGear's native FDM packets (UDP)."""
+"""Display flights in FlightGear: JSBSim sends its state in native FDM packets (UDP)."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _addresses: list[Iterator[str | None]] = []
 
 def address(parameter: str, value: Any) -> tuple[str, int]:
     """Host and port of ``HOST:PORT``, ``HOST`` or ``:PORT``."""
-    found = re.fullmatch(r"([\w.-]*)(?::(\d{1,5}))?", value) if isinstance(value, str) else None
-    port = int(found[2] or PORT) if found else 0
-    if not found or not 0 < port < 65536:
+    match = re.fullmatch(r"([\w.-]*)(?::(\d{1,5}))?", value) if isinstance(value, str) else None
+    port = int(match[2] or PORT) if match else 0
+    if not match or not 0 < port < 65536:
         must_be(parameter, value, f"HOST:PORT such as '{HOST}:{PORT}'")
-    host = found[1] or HOST
+    host = match[1] or HOST
     try:
         socket.getaddrinfo(host, port, socket.AF_INET)
     except OSError as error:
-        why = f"{parameter} names the host {host!r}, which is not found: {error.strerror}"
+        why = f"{parameter}: the host {host!r} cannot be resolved: {error.strerror}"
         refuse(parameter, value, why)
     return host, port
 
@@ -41,9 +41,9 @@ def directive(host: str, port: int) -> str:
 
 @contextlib.contextmanager
 def sending_to(first: str | None) -> Iterator[None]:
-    """Context in which aircraft blocks that are built send to FlightGear; with None they do not.
+    """Context in which new aircraft blocks send to FlightGear; with None they do not.
 
-    The first one sends to this address, each further one to the next port.
+    The first block sends to this address, each further one to the next port.
     """
     addresses: Iterator[str | None] = itertools.repeat(None)
     if first is not None:
@@ -57,5 +57,5 @@ def sending_to(first: str | None) -> Iterator[None]:
 
 
 def next_address() -> str | None:
-    """Where the next block sends to; None outside of `sending_to`."""
+    """The address for the next block; None outside of `sending_to`."""
     return next(_addresses[-1]) if _addresses else None

@@ -1,4 +1,4 @@
-"""`Flyable`: what is looked at with another aircraft."""
+"""`Flyable`: the interface of aircraft blocks for models and trims on other aircraft."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .trimming.state import TrimState
 
 
 class Flyable(Protocol):
-    """As much of an aircraft block as a linear model, a response or another trim needs."""
+    """The members of an aircraft block that a linear model, a response or another trim needs."""
 
     airframe: Airframe
     trim: TrimState

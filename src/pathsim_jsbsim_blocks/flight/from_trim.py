@@ -10,7 +10,7 @@ from typing import Any
 from .flightgear import sending_to
 from .flyable import Flyable
 from .trimming import TrimState, trim
-from .trimming.initial import here
+from .trimming.initial import present_condition
 
 # called with each block that has taken off: when it is built, and again after a reset
 at_take_off: list[Callable[[Any], None]] = []
@@ -41,5 +41,5 @@ def twin(flown: Flyable) -> Any:
 
 def trim_here(flown: Flyable, changes: Mapping[str, Any]) -> TrimState:
     """Trim the present flight with changes of its condition, as of `FlightBlock.trim_here`."""
-    condition = here(flown.airframe, flown.trim.condition, flown.setup, changes)
+    condition = present_condition(flown.airframe, flown.trim.condition, flown.setup, changes)
     return trim(flown.airframe.twin(), condition)

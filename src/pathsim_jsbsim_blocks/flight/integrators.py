@@ -17,7 +17,7 @@ _METHODS = {
     "adams-bashforth 4": 5,
     "adams-bashforth 5": 9,
 }
-# of a quaternion only; elsewhere JSBSim throws at the first step
+# for the quaternion only; for other states JSBSim throws at the first step
 _METHODS_OF_ATTITUDE = {"buss 1": 6, "buss 2": 7, "local linearization": 8}
 
 _STATES = {
@@ -37,8 +37,8 @@ INTEGRATORS: Mapping[str, Mapping[str, int]] = {
     _property(state): methods for state, methods in _STATES.items()
 }
 
-# third order at most: the higher ones gain nothing that NASA's check cases or a doublet show, and
-# a c172p at 30 Hz diverges with them
+# third order at most: higher orders bring no gain in NASA's check cases or a doublet, and a c172p
+# diverges with them at 30 Hz
 PRESETS: Mapping[str, Mapping[str, str]] = {
     "default": {},
     "precise": {
@@ -55,8 +55,8 @@ def integrator_properties(integrators: Any) -> dict[str, int]:
     if isinstance(integrators, str):
         integrators = PRESETS[one_of("integrators", integrators, PRESETS)]
     elif not isinstance(integrators, Mapping):
-        known = ", ".join(map(repr, PRESETS))
-        must_be("integrators", integrators, f"one of {known} or a dict of states and methods")
+        presets = ", ".join(map(repr, PRESETS))
+        must_be("integrators", integrators, f"one of {presets} or a dict of states and methods")
     properties = {}
     for state, method in integrators.items():
         methods = _STATES[one_of("integrators key", state, _STATES)]

@@ -1,4 +1,4 @@
-"""What the XML files of aircraft models say."""
+"""Data from the XML files of aircraft models."""
 
 from __future__ import annotations
 
@@ -85,12 +85,12 @@ class ModelFile:
         folder = _aircraft_folder(root, aircraft)
         self.path = folder / aircraft / f"{aircraft}.xml"
         try:
-            # a slash in the name could lead out of the folder
-            known = Path(aircraft).name == aircraft and self.path.is_file()
-            names = [] if known else aircraft_names(root)
+            # refuse names with a slash, which could lead out of the folder
+            exists = Path(aircraft).name == aircraft and self.path.is_file()
+            names = [] if exists else aircraft_names(root)
         except (OSError, ValueError):  # not a valid file name
-            known, names = False, []
-        if not known:
+            exists, names = False, []
+        if not exists:
             close = nearest(aircraft, names)
             raise self.error(
                 f"no aircraft {aircraft!r} among the {len(names)} model{'s' * (len(names) != 1)} "

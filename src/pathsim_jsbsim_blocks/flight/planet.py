@@ -38,16 +38,16 @@ GRAVITY: Mapping[str, int] = {"point mass": 0, "J2": 1}
 
 
 def planet_xml(planet: Any) -> str:
-    """A planet, a name of `PLANETS` or what differs from WGS-84, as JSBSim reads it."""
+    """JSBSim's XML of a planet: a name of `PLANETS`, or a dict of differences from WGS-84."""
     if isinstance(planet, str):
-        given: Mapping[Any, Any] = PLANETS[one_of("planet", planet, PLANETS)]
+        differences: Mapping[Any, Any] = PLANETS[one_of("planet", planet, PLANETS)]
     elif isinstance(planet, Mapping):
-        given = planet
+        differences = planet
     else:
-        known = ", ".join(map(repr, PLANETS))
-        must_be("planet", planet, f"one of {known} or a dict of what differs from WGS-84")
+        names = ", ".join(map(repr, PLANETS))
+        must_be("planet", planet, f"one of {names} or a dict of differences from WGS-84")
     values = dict(_WGS84)
-    for name, value in given.items():
+    for name, value in differences.items():
         one_of("planet key", name, _WGS84)
         values[name] = (number if name in ("rotation_rate", "J2") else positive)(
             f"planet[{name!r}]", value

@@ -24,10 +24,10 @@ _PROPERTIES = {
 
 
 def aircraft_points(airframe: Airframe) -> dict[str, list[Point]]:
-    """Points that a model names: CG, aerodynamic reference point, wheels, tanks, point masses.
+    """Points that a model defines: CG, aerodynamic reference point, wheels, tanks, point masses.
 
-    The airframe is initialised (`Airframe.run_ic`). From the kind of point to a list of (x, y, z)
-    in inches, structural axes: x aft, y right, z up; wheels are those of the unloaded gear.
+    The airframe must be initialised (`Airframe.run_ic`). Returns lists of (x, y, z) by the kind of
+    point, in inches, structural axes: x aft, y right, z up; wheels are those of the unloaded gear.
     """
     points: dict[str, list[Point]] = {}
     with contextlib.suppress(AircraftError):

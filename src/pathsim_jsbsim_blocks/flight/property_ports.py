@@ -13,7 +13,7 @@ from .writable import why_no_input
 
 
 def listed(parameter: str, names: Sequence[str] | None) -> list[str]:
-    """A list of property names; none for None."""
+    """A list of property names, empty for None."""
     return [] if names is None else property_list(parameter, names)
 
 
@@ -34,31 +34,31 @@ def check_ports(
     short: Mapping[str, tuple[str, ...]] = {},
     taken: Mapping[str, str] = {},
 ) -> None:
-    """Refuse what cannot be the ports of a block: also a property twice, and a changed list.
+    """Refuse properties that cannot be ports of a block, repetitions, and a changed list.
 
-    ``ports`` are the names that the block has after its fixed ones, ``short`` names that stand for
-    properties, ``taken`` the ports that write properties already, by the property.
+    ``ports`` are the names after the block's fixed ones, ``short`` the short names of properties,
+    ``taken`` the fixed ports by the properties that they write.
     """
     names = listed(parameter, names)
-    seen: dict[str, str] = {}
+    sources: dict[str, str] = {}
     for name in names:
         for property_ in _properties(name, short, airframe):
             if parameter == "input_properties" and (why := why_no_input(property_)):
                 raise airframe.property_error(name, f"{name!r} cannot be an input: {why}")
             if property_ in taken:
-                why = f"{parameter} lists {name!r}, which port {taken[property_]!r} writes already"
+                why = f"{parameter} lists {name!r}, but port {taken[property_]!r} writes it already"
                 refuse(parameter, names, why)
-            if other := seen.get(property_):
+            if other := sources.get(property_):
                 first = f", first as {other!r}" if other != name else ""
                 refuse(parameter, names, f"{parameter} lists {name!r} twice{first}")
-            seen[property_] = name
+            sources[property_] = name
     if names != list(ports):
-        why = f"{parameter} cannot change, they are the block's ports: build another block"
+        why = f"{parameter} cannot change because they are the block's ports: build another block"
         refuse(parameter, names, why)
 
 
 def _properties(name: str, short: Mapping[str, tuple[str, ...]], airframe: Airframe) -> list[str]:
-    """The properties that a name stands for; for one that is unknown, short names are near too."""
+    """The properties of a name; the error for an unknown one suggests short names too."""
     try:
         return [airframe.canonical(property_) for property_ in behind(name, short)]
     except PropertyError as error:

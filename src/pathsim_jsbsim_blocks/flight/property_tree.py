@@ -1,4 +1,4 @@
-"""Properties of a JSBSim model by name: found, checked, read and written."""
+"""Find, check, read and write properties of a JSBSim model by name."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class PropertyTree:
     fdm: jsbsim.FGFDMExec
 
     def _open_tree(self) -> None:
-        """Turn to the properties of a new executive."""
+        """Use the properties of a new executive."""
         self._properties = self.fdm.get_property_manager()
         self._names: list[str] | None = None
         # a trim map reads and writes the same few properties at every point
@@ -45,7 +45,7 @@ class PropertyTree:
     def has(self, name: str) -> bool:
         """Whether a property exists."""
         try:
-            # first, because the error of an unknown name searches for similar ones
+            # checked first, because the error for an unknown name searches for similar ones
             if not self._known(name):
                 return False
             self._find(name)
@@ -74,8 +74,8 @@ class PropertyTree:
 
     def _catalogue(self) -> list[str]:
         if self._names is None:
-            known = {line.partition(" (")[0] for line in self.fdm.get_property_catalog()}
-            self._names = sorted(known - {""})
+            names = {line.partition(" (")[0] for line in self.fdm.get_property_catalog()}
+            self._names = sorted(names - {""})
         return self._names
 
     def reader(self, name: str) -> Callable[[], float]:
@@ -115,9 +115,9 @@ class PropertyTree:
 
         Errors as in `writer`.
         """
-        found = [(name, *self._node(name, "w")) for name in names]
-        nodes = [node for _, node, _ in found]
-        checks = [(i, name, check) for i, (name, _, check) in enumerate(found) if check]
+        targets = [(name, *self._node(name, "w")) for name in names]
+        nodes = [node for _, node, _ in targets]
+        checks = [(i, name, check) for i, (name, _, check) in enumerate(targets) if check]
         put = jsbsim.FGPropertyNode.set_double_value
 
         def write(values: list[float]) -> None:
@@ -139,7 +139,7 @@ class PropertyTree:
         return _access(self._find(name))
 
     def _node(self, name: str, way: str) -> tuple[jsbsim.FGPropertyNode, Check | None]:
-        """A property to read ("r") or write ("w"), and what refuses values to write."""
+        """A property to read ("r") or write ("w"), and a check of values to write."""
         # `_usable` refuses a name that is not text
         if not isinstance(name, str) or (name, way) not in self._nodes:
             node, check = self._usable(name, way), None
@@ -149,9 +149,9 @@ class PropertyTree:
         return self._nodes[name, way]
 
     def _usable(self, name: str, way: str) -> jsbsim.FGPropertyNode:
-        node, known = self._find(name), f"property {name!r} of aircraft {self.aircraft!r}"
+        node, subject = self._find(name), f"property {name!r} of aircraft {self.aircraft!r}"
         if way == "w" and (why := why_not(self._path(node), self.has)):
-            raise self.property_error(name, f"{known} cannot be written: {why}")
+            raise self.property_error(name, f"{subject} cannot be written: {why}")
         if way not in _access(node):
             close = [
                 n
@@ -159,7 +159,7 @@ class PropertyTree:
                 if way in self.access(n) and not (way == "w" and why_not(n, self.has))
             ][:3]
             verb = "read" if way == "r" else "written"
-            raise self.property_error(name, f"{known} cannot be {verb}", close)
+            raise self.property_error(name, f"{subject} cannot be {verb}", close)
         return node
 
     def _known(self, name: str) -> bool:
@@ -170,7 +170,7 @@ class PropertyTree:
             # JSBSim would read up to the NUL, and take the index modulo 2**32
             if "\0" in name or re.search(r"\[\d{10,}\]", name):
                 raise ValueError("a NUL or an index beyond all elements")
-            # JSBSim finds the node behind a minus, and aborts the process when it is taken
+            # hasNode ignores a leading minus, but get_node would abort the process
             if name.startswith("-"):
                 return False
             # the only call that does not abort the process on a malformed name
@@ -192,8 +192,8 @@ class PropertyTree:
         return node.get_fully_qualified_name().removeprefix("/fdm/jsbsim/")
 
     def _find(self, name: str) -> jsbsim.FGPropertyNode:
-        known = self._known(name)
-        if not known or not name.strip():
+        exists = self._known(name)
+        if not exists or not name.strip():
             message = f"aircraft {self.aircraft!r} has no property {name!r}"
             raise self.property_error(name, message, self._similar(name))
         node = self._properties.get_node(str(name))

@@ -19,7 +19,7 @@ _TEST = re.compile(r"(\S+)\s+(?:[!=]=|[<>]=?|EQ|NE|[LG][ET]|eq|ne|[lg][et])\s+(\
 # elements whose text is a property, even without a slash
 _PROPERTIES = ("property", "p", "input", "independentVar")
 
-# sections of a model that it flies without
+# sections of a model that have no effect on its flight
 _UNUSED = ("fileheader", "input", "output")
 
 # where JSBSim looks for engine files, the model's own folders first (FGPropulsion)
@@ -27,14 +27,14 @@ _ENGINES = ("Engines", "engines", "Engine", "engine")
 
 
 class _File(NamedTuple):
-    """What a file refers to, each with the number of the engine in which it stands, or ""."""
+    """References of a file, each with the number of the enclosing engine element, or ""."""
 
     properties: list[tuple[str, str]]
     files: list[tuple[str, str, str]]  # element, file, engine
 
 
 def references(model: Path, root: Path) -> list[str]:
-    """Properties to which the files of a model below a JSBSim root refer, in their order."""
+    """Properties to which the files of a model below a JSBSim root refer, in order."""
     names: dict[str, None] = {}
     files = [(model, "")]
     for path, engine in files:
@@ -51,7 +51,7 @@ def references(model: Path, root: Path) -> list[str]:
 
 @functools.lru_cache(maxsize=256)
 def _read(path: Path, changed: int, size: int) -> _File:
-    """What a file of this time of change and size refers to; nothing if Python cannot read it."""
+    """References of a file with this modification time and size; empty if it cannot be parsed."""
     content = _File([], [])
     try:
         root = ET.parse(path).getroot()
@@ -67,7 +67,7 @@ def _read(path: Path, changed: int, size: int) -> _File:
 
 
 def _elements(element: ET.Element, engine: str = "") -> Iterator[tuple[ET.Element, str]]:
-    """An element and all below it, each with the number of the engine in which it stands."""
+    """An element and all below it, each with the number of the enclosing engine element."""
     yield element, engine
     number = itertools.count()
     for child in element:
@@ -87,7 +87,7 @@ def _names(element: ET.Element) -> Iterator[str]:
 
 
 def model_file(element: str, file: str, folder: Path, root: Path) -> Path:
-    """Where JSBSim looks for a file that an element names; one that is nowhere need not be."""
+    """The path at which JSBSim finds a file named by an element; it need not exist."""
     name = file if file.endswith(".xml") else f"{file}.xml"
     folders = [folder]
     if element in ("engine", "thruster"):

@@ -1,7 +1,7 @@
-"""Which properties of JSBSim may be written, as inputs too, and with which values.
+"""Which properties of JSBSim may be written, also as inputs, and with which values.
 
-JSBSim acts on some properties as they are written. An exception that it throws there ends the
-process, and so does what it reads through a null pointer.
+JSBSim reacts to some properties when they are written. An exception or a null pointer in that code
+ends the process.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from .engines import Engine
 from .integrators import INTEGRATORS
 from .planet import GRAVITY
 
-# refuses a value; called with what to name it in the message, and the value
+# refuses a value; called with its name for the message, and the value
 Check = Callable[[str, float], object]
 
 # property -> what writing it would do, and what to use instead
@@ -38,12 +38,12 @@ _STATES = re.compile(r"position/(h-(sl|agl)-(ft|meters|km)|(lat|long)-gc-(deg|ra
 _RUN_ENGINES = "propulsion/set-running"
 ENGINE_RUNS = re.compile(r"propulsion/engine(?:\[(\d+)\])?/set-running")
 
-_RANGES = {  # property: lowest and highest value
+_RANGES = {  # property: minimum and maximum value
     r"inertia/pointmass-weight-lbs(\[\d+\])?": (0.0, math.inf),
     r"propulsion/tank(\[\d+\])?/contents-lbs": (0.0, math.inf),
-    # JSBSim takes all others as one and the same
+    # JSBSim maps all other values to the same seed
     r"(simulation|atmosphere)/randomseed": (-(2.0**31), 2.0**31 - 1.0),
-    # JSBSim makes them at once, until the memory is full
+    # JSBSim creates all cells immediately, until the memory is full
     r"atmosphere/updownburst/number-of-cells": (0.0, 1000.0),
 }
 
@@ -102,8 +102,8 @@ def value_check(
 def _started(name: str, aircraft: str, engines: int) -> Check:
     def check(label: str, value: float) -> None:
         if value not in range(-1, engines):
-            known = f"the engines 0 to {engines - 1}, and -1 starts them all" if engines else "none"
-            why = f"{label} cannot be {value:g}: aircraft {aircraft!r} has {known}; engines_off of "
+            valid = f"the engines 0 to {engines - 1}, and -1 starts them all" if engines else "none"
+            why = f"{label} cannot be {value:g}: aircraft {aircraft!r} has {valid}; engines_off of "
             raise PropertyError(
                 f"{why}the trim condition stops engines", aircraft=aircraft, name=name
             )
@@ -130,5 +130,5 @@ def cannot_stop(engine: Engine) -> str:
 
 def _check_numbered(label: str, value: float, numbers: Mapping[str, int]) -> None:
     if value not in numbers.values():
-        known = ", ".join(f"{number} ({name})" for name, number in numbers.items())
-        refuse(label, value, f"{label} must be one of {known}, not {value:g}")
+        choices = ", ".join(f"{number} ({name})" for name, number in numbers.items())
+        refuse(label, value, f"{label} must be one of {choices}, not {value:g}")

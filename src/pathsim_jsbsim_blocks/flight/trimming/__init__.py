@@ -19,7 +19,7 @@ from .trimmer import Trimmer
 
 __all__ = ["Drift", "TrimCondition", "TrimState", "trim"]
 
-# KCAS, above which hardly any landing gear may be down
+# KCAS, above which hardly any landing gear may be extended
 _FAST_FOR_GEAR = 200.0
 
 
@@ -36,11 +36,11 @@ def trim(
 
     The Newton search moves all controls together within their limits until udot, vdot, wdot are
     below 1e-4 ft/s2 and pdot, qdot, rdot below 1e-5 rad/s2 (usually 1e-9), with propellers and
-    flight control system settled and fuel frozen. Engines have fuel for 1 s then. A stand-in then
-    flies it (pull-ups are not flown): within 0.25 s vdot stays below 0.1 ft/s2 and pdot, qdot, rdot
-    below 0.02 rad/s2. In a turn the sideslip is zero and the rate is what the side force makes it;
-    ``ny`` of the state is the side load.
-    JSBSim's own search (``solver="jsbsim"``, and on the ground) takes one control after the other,
+    flight control system settled and fuel frozen. A second aircraft then flies from the trim (not
+    in a pull-up): for 0.25 s vdot must stay below 0.1 ft/s2 and pdot, qdot, rdot below 0.02 rad/s2,
+    and engines must have fuel for 1 s. In a turn the sideslip is zero and the turn rate follows
+    from the side force; ``ny`` of the state is the side load.
+    JSBSim's own search (``solver="jsbsim"``, and on the ground) moves one control after the other,
     to residuals of up to 0.01 ft/s2 and 0.001 rad/s2.
 
     Parameters
@@ -52,24 +52,24 @@ def trim(
     setup : dict, optional
         further properties, written before the model is initialised and after the condition's
     hint : bool
-        look for the nearest airspeed that trims where this one does not (Newton search); warn of a
-        trim that does not hold for 5 s with controls fixed within 0.5 kt of true airspeed, 5 ft of
-        its path and 0.1 deg of pitch, bank and heading (of a turn, its rate), and of a landing gear
-        that is down above 200 KCAS where it retracts and the condition does not say so
+        search for the nearest airspeed that trims if this one does not (Newton search); warn about
+        a trim that does not hold for 5 s with controls fixed within 0.5 kt of true airspeed, 5 ft
+        of its path and 0.1 deg of pitch, bank and heading (in a turn, relative to its rate), and
+        about a retractable landing gear that is down above 200 KCAS unless the condition sets it
     fly : float
         fly another aircraft of the same kind from its trim for this time in s (up to 3600),
-        controls fixed (10 shows most departures, some take 30): the state's ``drift`` and
-        ``steady`` say how it ends. Modes "pull-up" and "none", which are not steady flight, have
-        none
+        controls fixed (10 shows most departures, some need 30): the state's ``drift`` and
+        ``steady`` describe the end of this flight. Modes "pull-up" and "none", which are not steady
+        flight, have no drift
     warm : bool
-        let the Newton search start where the last one on this airframe found its trim, with the
-        model as that has left it. The result is the same, sooner: if it does not get there to full
-        precision, it starts again cold
+        start the Newton search at the last trim of this airframe, without reloading the model. The
+        result is the same, but faster: if the search does not converge to full precision, it
+        restarts cold
 
     Returns
     -------
     TrimState
-        the state found; the airframe is left in it
+        the trimmed state; the airframe is left in it
 
     Raises
     ------
@@ -94,28 +94,28 @@ def trim(
     least = check.LONG if hint and condition.searched_by == "newton" else check.SHORT
     try:
         trimmer = Trimmer.of(airframe)
-        found, flown = trimmer.trim(condition, setup, warm=warm, fly=max(duration, least))
+        state, flown = trimmer.trim(condition, setup, warm=warm, fly=max(duration, least))
     except TrimError as error:
         if not hint:
             raise
         raise with_nearest(airframe, setup, error) from None
-    read_back(airframe, condition, setup, found.free)
+    read_back(airframe, condition, setup, state.free)
     if hint:
-        _warn_of_gear(airframe, found)
+        _warn_of_gear(airframe, state)
         if flown and flown.leaves:
             warn_user(
                 f"the trim of {airframe.aircraft} at {condition} does not hold: {flown.leaves}"
             )
-    return dataclasses.replace(found, drift=flown.drift) if flown and duration else found
+    return dataclasses.replace(state, drift=flown.drift) if flown and duration else state
 
 
-def _warn_of_gear(airframe: Airframe, found: TrimState) -> None:
-    """Warn of a gear that retracts and is down in fast flight because no one has said."""
-    condition = found.condition
-    fast = found.gear > 0.0 and found.speed > _FAST_FOR_GEAR and condition.mode != "ground"
+def _warn_of_gear(airframe: Airframe, state: TrimState) -> None:
+    """Warn about a retractable gear that is down in fast flight unless the condition sets it."""
+    condition = state.condition
+    fast = state.gear > 0.0 and state.speed > _FAST_FOR_GEAR and condition.mode != "ground"
     if condition.gear is None and fast and has_retractable_gear(airframe.aircraft, airframe.root):
         warn_user(
-            f"{airframe.aircraft} at {found.speed:.0f} KCAS: the landing gear is down, as the "
-            "model has it; gear=0 retracts it, gear=1 confirms it",
+            f"{airframe.aircraft} at {state.speed:.0f} KCAS: the landing gear is down, the model's "
+            "default; gear=0 retracts it, gear=1 confirms it",
             once=True,
         )

@@ -13,17 +13,17 @@ from ..airframe import Airframe
 from .condition import TrimCondition
 from .state import STATE, UNITS, Drift
 
-# what a short flight may show of an equilibrium: s; ft/s2 and rad/s2
+# s, duration of a short flight, and limits of accelerations in it for an equilibrium, ft/s2, rad/s2
 SHORT = 0.25
 _MAX_ACCELERATION = {"vdot": 0.1, "pdot": 0.02, "qdot": 0.02, "rdot": 0.02}
 
-# of a surface's travel or of the weight in thrust: what is named as the cause moves by more
+# minimum motion of a cause, relative to a surface's travel or, for thrust, to the weight
 _SMALL_MOTION = 0.01
 
-# s, in which no engine may run out of fuel
+# s, time for which engines must have fuel
 FED = 1.0
 
-# s, for which a trim is to hold, and within which bounds
+# s, time for which a trim must hold, and the bounds
 LONG = 5.0
 _BOUNDS = {
     "height": (5.0, "ft"),
@@ -45,7 +45,7 @@ _PATH = {
 
 
 class HandsOff(NamedTuple):
-    """What a flight from a trim shows, controls fixed."""
+    """Result of a flight from a trim with controls fixed."""
 
     # why it is not an equilibrium; empty if it is one
     moves: str
@@ -90,7 +90,7 @@ def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsO
 
 
 def _drains(before: Sequence[float], after: Sequence[float]) -> bool:
-    """Whether an engine that burns fuel as in the first flight is out of it in four times that."""
+    """Whether an engine runs out of fuel within `FED` at its consumption during `SHORT`."""
     times = FED / SHORT - 1.0
     return any(b < times * (a - b) or b <= 0.0 for a, b in zip(before, after, strict=True))
 
@@ -111,7 +111,7 @@ def _what_moves(condition: TrimCondition, flight: np.ndarray, dt: float) -> str:
 
 
 def _culprit(parts: list[str], before: list[float], after: list[float], weight: float) -> str:
-    """The surface or engine that has moved most, if any has."""
+    """Text with the surface or engine that has moved most; empty if none has."""
     sizes = [weight if name.endswith("-lbs") else 1.0 for name in parts]
     moved = [abs(b - a) / size for a, b, size in zip(before, after, sizes, strict=True)]
     i = int(np.argmax(moved))

@@ -18,10 +18,10 @@ Mode = Literal["full", "longitudinal", "turn", "pull-up", "ground", "glide", "no
 Solver = Literal["jsbsim", "newton"]
 SOLVERS = get_args(Solver)
 
-# ft; without a trim, where JSBSim flies above the air too
+# ft; maximum altitude without a trim, beyond the atmosphere
 _HIGHEST = 1e6
 
-# bounds of the fields that are numbers, as `number` has them
+# bounds of the numeric fields, for `number`
 _BOUNDS: Mapping[str, Mapping[str, Any]] = {
     name: bounds
     for names, bounds in (
@@ -40,7 +40,7 @@ _BOUNDS: Mapping[str, Mapping[str, Any]] = {
     for name in names.split()
 }
 
-# what can balance the forces along the flight path
+# unknowns that can balance the forces along the flight path
 FREE = ("throttle", "gamma", "speed")
 
 
@@ -69,14 +69,14 @@ class FixedMapping(Mapping):
         return dict(self._values)
 
     def __reduce__(self) -> tuple[type, tuple[dict[Any, Any]]]:
-        # whole from the start: an exported model builds conditions before it sets attributes
+        # complete at construction: an exported model builds conditions before it sets attributes
         return type(self), (dict(self._values),)
 
 
 @known_keywords
 @dataclass(frozen=True)
 class TrimCondition:
-    """What to trim for.
+    """The condition of a trim.
 
     Fields left at None are not written: ``flaps=None`` after ``flaps=1`` keeps an airframe's flaps.
 
@@ -123,8 +123,8 @@ class TrimCondition:
     Other Parameters
     ----------------
     load_factor : float
-        lift over weight in g (mode "pull-up" only). It is the load factor of the wind axes: at 2
-        the body's nz is 2.01 to 2.02, and a wdot of up to 1 ft/s2 is left
+        lift over weight in g (mode "pull-up" only). It is the load factor in wind axes: at 2 the
+        body's nz is 2.01 to 2.02, and a wdot of up to 1 ft/s2 remains
     alpha_min, alpha_max : float, optional
         limits of the angle of attack in deg for the trim; default is the model's own
     empty_cg_x : float, optional
@@ -139,9 +139,9 @@ class TrimCondition:
     thrust : float, optional
         sum of the engines in lbf, likewise
     free : str, optional
-        what the search moves to balance the forces along the path: "throttle", "gamma" or
-        "speed". Default is the throttle, or ``gamma`` if the throttle or the thrust is given. The
-        condition's own value is then the first guess
+        the unknown that balances the forces along the path: "throttle", "gamma" or "speed".
+        Default is the throttle, or ``gamma`` if the throttle or the thrust is set. The condition's
+        own value is then the first guess
     engines_off : list of int or "all"
         engines that do not run, from 0: jets without thrust, propellers that the wind may turn
         (feather them in ``setup``, ``fcs/feather-cmd-norm[i]``, where the model can). With one
@@ -163,7 +163,7 @@ class TrimCondition:
     Raises
     ------
     ParameterError
-        for values that are not possible for any aircraft
+        for values that are impossible for any aircraft
     """
 
     altitude: float = 5000.0
@@ -219,7 +219,7 @@ class TrimCondition:
         self._check_balance()
 
     def _put(self, name: str, value: Any) -> None:
-        # frozen for all others
+        # bypasses the frozen dataclass
         object.__setattr__(self, name, value)
 
     def _refuse(self, name: str, why: str) -> NoReturn:
@@ -227,7 +227,7 @@ class TrimCondition:
         refuse(name, value, f"{name}={value!r} {why}")
 
     def _check_mode(self) -> None:
-        """Check what goes with some modes only."""
+        """Check the fields that only some modes allow."""
         if self.bank != 0.0 and self.mode not in ("turn", "none"):
             self._refuse("bank", f"needs mode='turn', not {self.mode!r}")
         if self.load_factor != 1.0 and self.mode != "pull-up":
@@ -238,36 +238,36 @@ class TrimCondition:
             self._refuse("coordinated", f"needs mode='turn', not {self.mode!r}")
 
     def _check_balance(self) -> None:
-        """Check what the search may move, and which search can move it."""
-        for name, known in (("free", FREE), ("solver", SOLVERS)):
+        """Check the unknowns of the search, and that the solver can move them."""
+        for name, choices in (("free", FREE), ("solver", SOLVERS)):
             if getattr(self, name) is not None:
-                one_of(name, getattr(self, name), known)
-        given = [name for name in ("throttle", "thrust") if getattr(self, name) is not None]
-        if given and (self.mode in ("ground", "glide", "none") or len(given) == 2):
-            other = "thrust" if given[1:] else f"mode={self.mode!r}"
-            self._refuse(given[0], f"does not go with {other}")
-        powered = self.mode != "glide" and not given
+                one_of(name, getattr(self, name), choices)
+        fixed = [name for name in ("throttle", "thrust") if getattr(self, name) is not None]
+        if fixed and (self.mode in ("ground", "glide", "none") or len(fixed) == 2):
+            other = "thrust" if fixed[1:] else f"mode={self.mode!r}"
+            self._refuse(fixed[0], f"cannot be combined with {other}")
+        powered = self.mode != "glide" and not fixed
         if self.free is not None and (self.free == "throttle") != powered:
-            why = "does not go with a throttle or thrust that is given: free gamma or speed"
+            why = "cannot be combined with a fixed throttle or thrust: free gamma or speed"
             if powered:
                 why = "needs a throttle or thrust to hold, or mode='glide'"
             self._refuse("free", why)
         if self.solver == "newton" and self.mode in ("ground", "none"):
-            self._refuse("solver", f"does not go with mode={self.mode!r}, which is JSBSim's own")
+            self._refuse("solver", f"cannot be combined with mode={self.mode!r}: use JSBSim's own")
         engine_out = self.engines_off and self.mode not in ("ground", "none")
         if self.solver == "jsbsim" and (self.beta or not powered or engine_out):
-            why = "cannot trim a glide, a sideslip, a given throttle or with an engine out: use "
+            why = "cannot trim a glide, a sideslip, a fixed throttle or an engine out: use "
             self._refuse("solver", f"{why}'newton'")
 
     @property
     def balance(self) -> str:
-        """What balances the forces along the flight path: "throttle", "gamma" or "speed"."""
+        """The unknown that balances forces along the flight path: "throttle", "gamma", "speed"."""
         fixed = self.mode == "glide" or self.throttle is not None or self.thrust is not None
         return self.free or ("gamma" if fixed else "throttle")
 
     @property
     def searched_by(self) -> str:
-        """The solver that trims this: "newton" or "jsbsim", which alone stands on the ground."""
+        """The solver for this condition: "newton" or "jsbsim", the only one on the ground."""
         return "jsbsim" if self.mode == "ground" else self.solver or "newton"
 
     def __deepcopy__(self, memo: Any) -> TrimCondition:
@@ -277,18 +277,18 @@ class TrimCondition:
         always = ("altitude", "speed", "mach", "gamma", "mode")
         unused = ["mach" if self.mach is None else "speed"]
         unused += ["speed", "mach", "gamma"] * (self.mode == "ground")
-        said = []
+        parts = []
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
             if isinstance(value, Mapping):
-                said += [f"{f.name}={value!r}"] * bool(value)
+                parts += [f"{f.name}={value!r}"] * bool(value)
             elif f.name not in unused and (f.name in always or value != f.default):
-                said.append(f"{f.name}={value!r}")
-        return ", ".join(said)
+                parts.append(f"{f.name}={value!r}")
+        return ", ".join(parts)
 
 
 def check_condition(condition: Any) -> None:
-    """Refuse what is not a `TrimCondition`."""
+    """Refuse anything but a `TrimCondition`."""
     if not isinstance(condition, TrimCondition):
         must_be("condition", condition, "a TrimCondition")
 

@@ -1,4 +1,4 @@
-"""What the commands of an aircraft move: one difference each."""
+"""Effects of an aircraft's commands, from one finite difference each."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .initial import engines_off, initialise, properties
 from .search import Reached
 from .state import STATE
 
-# command, what a search moves for it, and the acceleration it is for
+# command, the unknowns of a search that represent it, and its primary acceleration
 _COMMANDS = (
     ("throttle", ("throttle",), "udot"),
     ("pitch", ("pitch_trim", "elevator"), "qdot"),
@@ -25,10 +25,10 @@ _COMMANDS = (
     ("yaw", ("rudder",), "rdot"),
 )
 
-# of a command, more than the hysteresis or dead band of a servo
+# change of a command, beyond the hysteresis or dead band of a servo
 _STEP = 0.5
 
-# tolerances of the search, below which a change of acceleration is none
+# change of an acceleration, in tolerances of the search, below which a command has no effect
 _NONE = 10.0
 
 
@@ -36,9 +36,9 @@ class Effect(NamedTuple):
     """The effect of a command: "throttle", "pitch", "roll" or "yaw"."""
 
     command: str
-    # what was moved, of each engine for the throttle
+    # the properties moved; one per engine for the throttle
     properties: tuple[str, ...]
-    # what it is for: "udot" (ft/s2), "qdot", "pdot" or "rdot" (rad/s2)
+    # primary response: "udot" (ft/s2), "qdot", "pdot" or "rdot" (rad/s2)
     acceleration: str
     # change of this acceleration per 1 of the command
     size: float
@@ -68,7 +68,7 @@ def command_effects(
 
 
 def effects(flight: SteadyFlight, x: np.ndarray, airframe: Airframe) -> list[Effect]:
-    """The effects near a state of those commands that the search of a flight moves."""
+    """The effects, near a state, of the commands among the search's unknowns."""
     result, before = [], flight.settled(x)
     for command, unknowns, acceleration in _COMMANDS:
         name = next((name for name in unknowns if name in flight.names), "")
@@ -94,21 +94,21 @@ def model_fault(
     bound: str,
     residuals: Mapping[str, float],
 ) -> TrimError | None:
-    """The error of a search that has ended because of what the model is, if it has.
+    """The error of a search that failed because of a property of the model, if it did.
 
-    ``bound`` is the quantity at the end of its range, which is the cause where more is left of its
-    acceleration than of that of a command without effect.
+    ``bound`` is the quantity at its limit. It is the cause if the residual of its acceleration is
+    larger than that of a command without effect.
     """
     if airframe.has_kind("rotor"):
         why = "it is a rotorcraft (its thruster is a rotor), which this search does not trim"
         return failure(airframe, condition, "rotorcraft", why, residuals)
-    found = effects(flight, end.x, airframe)
+    changes = effects(flight, end.x, airframe)
     if not any(airframe.fdm[f"forces/fb{axis}-aero-lbs"] for axis in "xyz"):
         why = "the model has no aerodynamic force"
         return failure(airframe, condition, "aerodynamics", why, residuals)
     left = dict(zip(flight.used, abs(end.residuals).tolist(), strict=True))
     unknowns = {command: names for command, names, _ in _COMMANDS}
-    for effect in found:
+    for effect in changes:
         remains = left[effect.acceleration]
         is_cause = bound in ("", *unknowns[effect.command]) or remains == max(left.values())
         if effect.moves or remains <= 1.0 or not is_cause:

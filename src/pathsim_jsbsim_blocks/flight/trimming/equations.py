@@ -22,14 +22,15 @@ class Unknown(NamedTuple):
     start: float
     low: float
     high: float
-    stride: float  # largest change in one iteration
+    stride: float  # maximum change in one iteration
     step: float  # of its difference quotients
 
 
 _DEG = math.pi / 180.0
 _COMMAND = Unknown(0.0, -1.0, 1.0, 0.4, 1e-4)
 
-# rad; alpha, speed and rate depend on the aircraft. Roll and sideslip as in JSBSim's FGTrimAxis
+# angles in rad; alpha, speed and rate depend on the aircraft. Roll and sideslip limits are those
+# of JSBSim's FGTrimAxis
 _UNKNOWNS = {
     "throttle": Unknown(0.5, 0.0, 1.0, 0.5, 1e-4),
     "gamma": Unknown(0.0, -60.0 * _DEG, 60.0 * _DEG, 5.0 * _DEG, 1e-5),
@@ -41,14 +42,14 @@ _UNKNOWNS = {
     "rudder": _COMMAND,
 }
 
-# what is to vanish, and to which tolerance in ft/s2 and rad/s2
+# residuals, with their tolerances in ft/s2 and rad/s2
 RESIDUALS = dict.fromkeys(("udot", "vdot", "wdot"), 1e-4) | dict.fromkeys(
     ("pdot", "qdot", "rdot"), 1e-5
 )
 _LONGITUDINAL = ("udot", "wdot", "qdot")
 _THRUST_TOLERANCE = 1e-3  # lbf
 
-# what one evaluation writes, and from what
+# properties written by one evaluation, and the values for them
 _WRITTEN = (
     *(f"ic/{angle}-rad" for angle in ("psi-true", "theta", "phi")),
     *(f"ic/{axis}-fps" for axis in "uvw"),
@@ -58,49 +59,49 @@ _WRITTEN = (
 _FLIGHT = itemgetter("speed", "alpha", "beta", "phi", "gamma", "psi")
 _CONTROLS = itemgetter("pitch_trim", "elevator", "aileron", "rudder")
 
-# fraction of the tolerances that two readings of one state may differ by
+# maximum difference of two readings of one settled state, in tolerances
 _SETTLED = 1e-6
 
-_READINGS = 30  # of one state, until a flight control system with memory has settled
+_READINGS = 30  # maximum readings of one state until a control system with memory has settled
 
-# steps of JSBSim for all searches of one trim
+# maximum steps of JSBSim for all searches of one trim
 _EFFORT = 100_000
 
-# what one reading with its share of the search, and JSBSim's own settling of an engine, count as in
-# steps of JSBSim; the latter takes 1 to 170
+# cost of one reading, including its part of the search, and of JSBSim's own settling of an engine
+# (1 to 170), in steps of JSBSim
 _READING = 4
 _STEADY_STATE = 150
 
-# steps that JSBSim's integrators remember at most
+# maximum number of steps in the memory of JSBSim's integrators
 _HISTORY = 5
 
-# rows of steps in which an engine with propeller settles, and how often; an odd number shows one
-# that jumps to and fro in each step
+# steps in a row, and maximum rows, for an engine with propeller to settle; an odd number of steps
+# reveals one that alternates between two states
 _ROW = 41
 _ROWS = 60
 
-# how often propellers may settle anew to hold a state found elsewhere
+# maximum repetitions of settling the propellers at a state from another aircraft
 _SPINS = 5
 
-# rows with blades that no governor moves: engines that settle then need 3
+# maximum rows at fixed blade pitch; engines that settle need 3
 _ROWS_AT_FIXED_PITCH = 10
 
-# a limiter of the torque opens and closes without end: rows that show it, and the relative change
-# per row up to which the propellers have settled all the same
+# a torque limiter may open and close endlessly: rows to detect this, and the relative change per
+# row up to which the propellers then count as settled
 _ROWS_OF_A_ROUND = 12
 _ROUND = 1e-4
 
 # relative change in the last row of a propeller without inertia (X8: 1)
 _JUMP = 0.5
 
-# s, in which a starter has an engine running if it ever does (p51d: 0.3)
+# s of cranking after which an engine runs if it ever does (p51d: 0.3)
 _CRANKING = 2.0
 
 
 class Effort:
-    """What all searches of one trim have taken together, in steps of JSBSim, roughly.
+    """Approximate cost of all searches of one trim, in steps of JSBSim.
 
-    Those that find a trim take 40,000 at most; a step takes 5 to 14 us (Short_S23: 60).
+    Successful searches need 40,000 at most; a step takes 5 to 14 us (Short_S23: 60).
     """
 
     def __init__(self) -> None:
@@ -118,9 +119,9 @@ class SteadyFlight:
     in time. Propellers turn at the speed at which they settle in held flight. The airframe is left
     in the state evaluated last.
 
-    With ``in_time`` each reading ends with a step of no length, which takes longer: only in steps
-    of time have turboprops power, and only there do actuators move at their own rates (those of the
-    f16's rudder start anew in each step).
+    With ``in_time`` each reading ends with a step of almost zero length, which is slower but needed
+    for turboprops, which have power only in such steps, and for actuators that move at their own
+    rates (the f16's rudder restarts in each step).
     """
 
     def __init__(self, airframe: Airframe, condition: TrimCondition, effort: Effort, in_time: bool):
@@ -129,7 +130,7 @@ class SteadyFlight:
         fdm = self._fdm = airframe.fdm
         self._gravity = fdm["accelerations/gravity-ft_sec2"]
         speed = fdm[STATE["tas"]]
-        # what the search does not move; true airspeed in ft/s
+        # values of the quantities that the search does not move; true airspeed in ft/s
         self.given = {
             "speed": speed,
             "throttle": condition.throttle or 0.0,
@@ -145,11 +146,11 @@ class SteadyFlight:
         self._find_engines()
         wind = condition.wind_north, condition.wind_east, 0.0
         self._wind = np.array(wind) if any(wind) else None
-        # whether the flight control system takes more than one reading to settle
+        # whether the flight control system needs more than one reading to settle
         self.has_memory = True
 
     def _free(self, speed: float) -> dict[str, Unknown]:
-        """The unknowns, throttle last: its engines settle anew."""
+        """The unknowns; throttle last, because engines settle again after each of its changes."""
         condition, unknowns = self._condition, dict(_UNKNOWNS)
         low, high = (math.radians(angle) for angle in alpha_range(self._airframe))
         unknowns["alpha"] = Unknown(0.0, low, high, 5.0 * _DEG, 1e-5)
@@ -180,7 +181,7 @@ class SteadyFlight:
         ).T
 
     def without_pitch_trim(self) -> None:
-        """Let the elevator take the place of the pitch trim, which the model does not have."""
+        """Use the elevator instead of the pitch trim, which the model does not have."""
         self._set_unknowns(
             {"elevator" if name == "pitch_trim" else name: x for name, x in self.unknowns.items()}
         )
@@ -190,7 +191,7 @@ class SteadyFlight:
         self.used = _LONGITUDINAL if condition.mode == "longitudinal" else tuple(RESIDUALS)
         tolerances = dict(RESIDUALS)
         readers = {name: airframe.reader(STATE[name]) for name in RESIDUALS}
-        # zero but for turns in wind and a thrust
+        # zero except in turns with wind, and for a prescribed thrust
         self._targets = dict.fromkeys(RESIDUALS, 0.0)
         if condition.thrust is not None:
             self.used = *self.used, "thrust"
@@ -215,18 +216,18 @@ class SteadyFlight:
         )
         # the throttle at which the propellers have settled
         self._settled_at: float | None = None
-        # JSBSim's own settling, in steps of 0.5 s, ends beside the equilibrium of fast propellers
+        # whether JSBSim's own settling, in steps of 0.5 s, works: it misses fast propellers
         self.leaps = True
-        # whether they have settled, as far as tried, and whether they ever jumped instead
+        # whether the propellers settled at the last attempt, and whether they ever jumped instead
         self.has_settled, self.jumps = True, False
 
     @property
     def leaves_traces(self) -> bool:
-        """Whether evaluations leave engines or systems in another state than they found."""
+        """Whether evaluations change the state of engines or systems."""
         return bool(self._propellers) or self.has_memory
 
     def try_out(self) -> None:
-        """Find out whether the model has pitch trim, and whether its controls have filters."""
+        """Determine whether the model has a pitch trim, and whether its controls have filters."""
         x = np.clip(self.start, self.low, self.high)
         i = self.names.index("pitch_trim")
         y = x.copy()
@@ -239,7 +240,7 @@ class SteadyFlight:
             self.without_pitch_trim()
 
     def guess(self, alpha: float, throttle: float) -> np.ndarray:
-        """The unknowns to start from, with an alpha in deg and a throttle."""
+        """Initial unknowns for an alpha in deg and a throttle."""
         x = self.start.copy()
         x[self.names.index("alpha")] = math.radians(alpha)
         if "throttle" in self.names:
@@ -252,11 +253,11 @@ class SteadyFlight:
         return self.residuals(x)
 
     def trial(self, x: np.ndarray) -> np.ndarray:
-        """Residuals at a step of the search, which may have gone far."""
+        """Residuals after a step of the search, which may be large."""
         return self.settled(x) if self._propellers else self.residuals(x)
 
     def residuals(self, x: np.ndarray) -> np.ndarray:
-        """The residuals at a state, in their tolerances."""
+        """The residuals at a state, divided by their tolerances."""
         throttle = self._put(x)
         r = self._accelerations()
         if self._propellers and throttle != self._settled_at:
@@ -282,7 +283,7 @@ class SteadyFlight:
         return slopes
 
     def arrive(self, x: np.ndarray) -> tuple[np.ndarray, dict[str, float]]:
-        """Put the airframe into a state for good: residuals in tolerances, and as they are."""
+        """Leave the airframe in a state: residuals in tolerances, and in their units."""
         has_memory, self.has_memory = self.has_memory, True
         r = self.settled(x)
         self.has_memory = has_memory
@@ -291,14 +292,14 @@ class SteadyFlight:
         return r, left
 
     def hold(self, x: np.ndarray) -> None:
-        """Put an airframe into a state that was found on another one."""
+        """Set the airframe to a state from another one."""
         for _ in range(_SPINS):
             if size(self.settled(x)) <= 1.0:
                 break
         self._forget()
 
     def _forget(self) -> None:
-        """Let the integrators forget the accelerations before the step of no length."""
+        """Clear the integrators' memory of earlier accelerations."""
         for _ in range(_HISTORY if self.in_time else 0):
             self._airframe.run_no_time()
 
@@ -328,7 +329,7 @@ class SteadyFlight:
         if self._wind is not None:
             wind = _to_body(phi, theta, psi) @ self._wind
             ground = tuple((wind + ground).tolist())
-            # the wind turns in the axes of an aircraft that turns
+            # in body axes of a turning aircraft the wind rotates
             turning = -np.cross([p, q, r], wind)
             self._targets.update(zip(("udot", "vdot", "wdot"), turning.tolist(), strict=True))
             self._target = np.array([self._targets[name] for name in self.used])
@@ -340,7 +341,7 @@ class SteadyFlight:
 
     def _accelerations(self) -> np.ndarray:
         fdm = self._fdm
-        # actuators then take their final position at once, and no fuel is burnt
+        # in trim status actuators take their final position immediately, and no fuel is burnt
         fdm.set_trim_status(True)
         try:
             fdm.run_ic()
@@ -382,14 +383,14 @@ class SteadyFlight:
                     self._spin_at_fixed_pitch()
                     again = [read() for read in self._propellers]
                     self.leaps = math.dist(again, before) > 0.01 * math.dist(now, before)
-                    # its steps keep a limiter of the torque from settling
+                    # its large steps keep a torque limiter from settling
                     self.leaps &= not goes_round
                     now = again
                 before = now
             self.jumps |= change > _JUMP
 
     def _start_engines(self) -> None:
-        """Start engines that have stopped, as at a low throttle of an earlier guess."""
+        """Restart engines that have stopped, for example at a low throttle of an earlier guess."""
         airframe = self._airframe
         if not airframe.not_running():
             return
@@ -400,7 +401,7 @@ class SteadyFlight:
         still = [i for i in airframe.not_running() if i in pistons]
         if not still or self._condition.mode == "glide":
             return
-        # JSBSim's start takes steps of 0.5 s, in which some engines stall
+        # JSBSim's start uses steps of 0.5 s, in which some engines stall: crank them instead
         self.leaps = False
         for i in still:
             airframe.crank(i, starter=True)
@@ -421,7 +422,7 @@ class SteadyFlight:
 
 
 def _goes_round(rows: Sequence[list[float]]) -> bool:
-    """Whether quantities move from row to row as far as before, and get nowhere."""
+    """Whether quantities oscillate: steps between rows do not decay, and the drift stays small."""
     few = np.array(rows[-_ROWS_OF_A_ROUND:])
     if len(few) < _ROWS_OF_A_ROUND:
         return False
@@ -432,13 +433,13 @@ def _goes_round(rows: Sequence[list[float]]) -> bool:
 
 
 def size(r: np.ndarray) -> float:
-    """Largest of the residuals, in tolerances; infinite if one is not finite."""
+    """Maximum of the residuals, in tolerances; infinite if one is not finite."""
     sizes = list(map(abs, r.tolist()))
     return max(sizes) if all(map(math.isfinite, sizes)) else math.inf
 
 
 def _theta(alpha: float, beta: float, phi: float, gamma: float) -> float:
-    """Pitch angle of a path angle, all in rad (Stevens and Lewis, 3rd edition, 3.6-3)."""
+    """Pitch angle for a path angle, all in rad (Stevens and Lewis, 3rd edition, 3.6-3)."""
     a = math.cos(alpha) * math.cos(beta)
     b = math.sin(phi) * math.sin(beta) + math.cos(phi) * math.sin(alpha) * math.cos(beta)
     s = math.sin(gamma)

@@ -1,4 +1,4 @@
-"""The error of a trim that has failed: which limit is reached, and what is left."""
+"""The error of a failed trim: the limit reached, and the residuals."""
 
 from __future__ import annotations
 
@@ -44,18 +44,18 @@ def failure(
     if residuals is None:
         residuals = {name: fdm[STATE[name]] for name in LIMITS}
     alpha_min, alpha_max = alpha_range(airframe)
-    thrust = "the throttle ran to the end of its range"
+    thrust = "the throttle reached the end of its range"
     if len(airframe.stopped) == airframe.engines:
         thrust = f"it has no {'running ' if airframe.stopped else ''}engine to hold the speed with "
         thrust += "(mode='glide' frees the path angle)"
     limits = {
         "thrust": thrust,
-        "alpha limit": f"alpha ran to the end of [{alpha_min:.4g}, {alpha_max:.4g}] deg",
-        "elevator": "the pitch trim ran to the end of [-1, 1]",
-        "propeller": "a propeller does not settle (nor ever one whose file has an ixx of 0)",
-        "no convergence": "no control ran out, but the search did not converge",
+        "alpha limit": f"alpha reached the end of [{alpha_min:.4g}, {alpha_max:.4g}] deg",
+        "elevator": "the pitch trim reached the end of [-1, 1]",
+        "propeller": "a propeller does not settle (one whose file has ixx = 0 never does)",
+        "no convergence": "no control reached its limit, but the search did not converge",
     }
-    why = why or limits.get(reason, f"the {reason} ran to the end of its range")
+    why = why or limits.get(reason, f"the {reason} reached the end of its range")
     if limit is not None:
         why += f", {limit + 0.0:.4g}"
     if zeros := airframe.created_as_zero():

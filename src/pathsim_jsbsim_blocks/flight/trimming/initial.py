@@ -19,7 +19,7 @@ from .state import read_state
 
 _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, where the ground trim starts
 
-# an altitude is above the place that is set
+# written first, because altitudes refer to the terrain at this place
 _PLACE = ("ic/lat-", "ic/long-", "ic/terrain-")
 
 # properties that a condition sets -> its field
@@ -42,7 +42,7 @@ _FIELDS = {
     r"gear/gear-.*": "gear",
 }
 
-# of a value that is read back
+# relative tolerance of a value that is read back
 _ROUNDING = 1e-6
 
 
@@ -63,15 +63,15 @@ def read_back(
 ) -> None:
     """Refuse properties of a setup that have another value after initialisation and trim.
 
-    Commands that the search has solved for, with the unknowns ``free``, are exempt, and so is what
-    cannot be read.
+    Commands that the search has solved for, with the unknowns ``free``, are exempt, and so are
+    properties that cannot be read.
     """
     # the elevator takes the place of a pitch trim without effect
     moved = "|".join({*free, "pitch_trim"} if free else ()).replace("_", "-")
     for name, value in {**condition.setup, **mapping("setup", setup)}.items():
         path = airframe.canonical(name)
         solved = re.fullmatch(rf"fcs/({moved})-cmd-norm(\[\d+\])?", path)
-        # a tank was read back as it was written, and engines may have run since
+        # tanks were checked when written, and engines may have run since
         if solved or path.endswith("/contents-lbs") or "r" not in airframe.access(name):
             continue
         # JSBSim keeps the rates of the initial conditions, which a trim does not have
@@ -107,7 +107,7 @@ def _loading(condition: TrimCondition) -> dict[str, float]:
 def engines_off(
     airframe: Airframe, condition: TrimCondition, written: Mapping[str, float]
 ) -> frozenset[int]:
-    """The engines that do not run, by the condition or by what is written before the trim."""
+    """The engines that do not run, from the condition or the properties written before the trim."""
     engines = set(range(airframe.engines))
     stopped = engines if condition.engines_off == "all" else set(condition.engines_off)
     if not stopped <= engines:
@@ -119,7 +119,7 @@ def engines_off(
         if number and value == 0.0:
             stopped = stopped | {int(number[1] or 0)}
         elif name == "propulsion/set-running" and value >= 0.0:
-            # JSBSim starts this engine only
+            # JSBSim starts only this engine
             stopped = stopped | engines - {int(value)}
     for engine in airframe.engine_list if stopped else ():
         if engine.number in stopped and engine.follows_throttle:
@@ -128,7 +128,7 @@ def engines_off(
 
 
 def is_initial(name: str) -> bool:
-    """Whether a property is an initial condition, other than the place, which comes first."""
+    """Whether a property is an initial condition other than the place, which is written first."""
     return name.startswith("ic/") and not name.startswith(_PLACE)
 
 
@@ -143,7 +143,7 @@ def initialise(
     on_ground = condition.mode == "ground"
 
     def put(name: str, value: float) -> None:
-        # a needless write moves the other initial conditions by a rounding error
+        # write only changes: each write moves other initial conditions by a rounding error
         if fdm[name] != value:
             fdm[name] = value
 
@@ -153,7 +153,7 @@ def initialise(
     if fdm["ic/vw-mag-fps"]:
         # the wind of the previous trim would turn the nose
         fdm["ic/vw-mag-fps"] = fdm["ic/vc-kts"] = 0.0
-    if fdm["ic/w-fps"] and not fdm["ic/u-fps"]:  # of a setup; JSBSim loses the speed that follows
+    if fdm["ic/w-fps"] and not fdm["ic/u-fps"]:  # from a setup; JSBSim would lose the next speed
         fdm["ic/u-fps"] = fdm["ic/w-fps"]
     put("ic/phi-deg", 0.0)
     put("ic/psi-true-deg", heading)
@@ -189,23 +189,23 @@ def initialise(
         airframe.start_engines()
 
 
-# what the present flight says, rather than the setup with which it began
+# properties whose present values replace those of the original setup
 _PRESENT = re.compile(
     r"ic/(?!terrain)|propulsion/(tank.*/contents-lbs|(engine.*/)?set-running)$"
     r"|inertia/pointmass-weight|(gear/gear|fcs/flap)-(cmd|pos)-norm$"
 )
 
 
-def here(
+def present_condition(
     airframe: Airframe,
     condition: TrimCondition,
     setup: Mapping[str, float] | None,
     changes: Mapping[str, Any],
 ) -> TrimCondition:
-    """The present flight of an airframe that began at a condition, as a condition with changes."""
-    known = [field.name for field in dataclasses.fields(TrimCondition)]
+    """The present flight as a condition with changes; ``condition`` is that of its start."""
+    names = [field.name for field in dataclasses.fields(TrimCondition)]
     for name in changes:
-        one_of("change", name, known)
+        one_of("change", name, names)
     fdm, now = airframe.fdm, read_state(airframe, condition)
     mode = "full" if condition.mode in ("ground", "none", "pull-up") else condition.mode
     before = {**condition.setup, **mapping("setup", setup)}
@@ -214,7 +214,7 @@ def here(
         "altitude": now.altitude,
         "speed": now.speed,
         "mach": None,
-        # relative to the air, which JSBSim's own is not
+        # relative to the air, unlike JSBSim's own
         "gamma": math.degrees(math.asin(fdm[property_of("hdot")] / now.tas)),
         "heading": now.psi,
         "bank": now.phi if changes.get("mode", mode) == "turn" else 0.0,
@@ -222,7 +222,7 @@ def here(
         "mode": mode,
         "gear": min(max(now.gear, 0.0), 1.0),
         "flaps": min(max(now.flaps, 0.0), 1.0),
-        # rounding errors of still air are none
+        # rounded, because still air has rounding errors
         "wind_north": round(fdm["atmosphere/total-wind-north-fps"], 9) + 0.0,
         "wind_east": round(fdm["atmosphere/total-wind-east-fps"], 9) + 0.0,
         "payload": [fdm[name] for name in itertools.takewhile(airframe.has, masses)],

@@ -13,7 +13,7 @@ from ..forked import Outcome, run_in_fork
 from .condition import MODES, TrimCondition
 from .failure import LIMITS, failure
 
-_NEAR_GROUND = 200.0  # ft, more than any wheel lies below its aircraft
+_NEAR_GROUND = 200.0  # ft, more than the height of any aircraft above its wheels
 
 # s of CPU time; a search that finds its trim takes less than half a second
 _LONGEST_SEARCH = 10
@@ -37,7 +37,7 @@ MOVED = {
 
 
 def find(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
-    """Let JSBSim search from an airframe's initial conditions; returns what it has moved."""
+    """Run JSBSim's search from an airframe's initial conditions; return its unknowns."""
     on_ground = condition.mode == "ground"
     low = airframe.fdm[property_of("h_agl")] < _NEAR_GROUND
     governors = airframe.of_engines("constant-speed-mode")
@@ -47,7 +47,7 @@ def find(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
     elif not on_ground and any(airframe.fdm[name] for name in governors):
         why = "with constant-speed propellers JSBSim's search may never end"
     if why:
-        why += "; solver='newton' of a TrimCondition does it"
+        why += "; use solver='newton' of TrimCondition"
         raise failure(airframe, condition, "no convergence", why)
 
     def search() -> bool:
@@ -60,15 +60,15 @@ def find(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
     # on the ground it may read invalid memory (f15, SGS, minisgs)
     outcome = run_in_fork(search, _LONGEST_SEARCH) if on_ground else Outcome.OK
     if outcome is not Outcome.OK:
-        why = "JSBSim's search would crash there"
+        why = "JSBSim's search would crash"
         if outcome is Outcome.TIMEOUT:
-            why = f"the search was given up after {_LONGEST_SEARCH} s of computing"
+            why = f"the search was stopped after {_LONGEST_SEARCH} s of computing"
         raise failure(airframe, condition, "no convergence", why)
     # hushed: the TrimError reports the failure
-    found, said = messages(search, hushed=True)
-    if not found:
+    success, records = messages(search, hushed=True)
+    if not success:
         limits = _LIMITS_OF_MODES.get(condition.mode, LIMITS)
-        text = " ".join(text for _, text in said)
+        text = " ".join(text for _, text in records)
         axis = re.search(r"Sorry, (\w+) doesn't appear to be trimmable", text)
         raise failure(airframe, condition, limits[axis[1]] if axis else "no convergence")
     return MOVED[condition.mode]

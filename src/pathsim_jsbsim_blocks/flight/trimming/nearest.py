@@ -1,4 +1,4 @@
-"""What would trim instead of a condition that does not."""
+"""The nearest airspeed that trims instead of one that does not."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ _USUAL_SPEEDS = (1.0, 1.3, 0.8, 1.7)
 # KCAS, limits for models whose reference area is unrelated to lift (rockets, helicopters)
 _LEVEL_SPEEDS = (20.0, 350.0)
 
-# failures that another speed may cure
+# failures that another speed may remove
 _CURABLE = ("thrust", "alpha limit", "elevator", "no convergence")
 
 
 def speed_of_lift(weight: float, area: float, lift_coefficient: float) -> float:
-    """The speed in KCAS at which a wing (ft2) with a lift coefficient carries a weight (lb)."""
+    """The speed in KCAS at which lift equals weight (lb) for a wing area (ft2) and CL."""
     return math.sqrt(2.0 * weight / (RHO0 * area * lift_coefficient)) / KNOT
 
 
 def level_speed(airframe: Airframe, lift_coefficient: float) -> float:
-    """The speed in KCAS at which an initialised airframe's wing lifts its weight."""
+    """The speed in KCAS at which an initialised airframe's lift equals its weight."""
     low, high = _LEVEL_SPEEDS
     weight, area = (airframe.fdm[name] for name in ("inertia/weight-lbs", "metrics/Sw-sqft"))
     if area <= 0.0:
@@ -42,7 +42,7 @@ def level_speed(airframe: Airframe, lift_coefficient: float) -> float:
 def with_nearest(
     airframe: Airframe, setup: Mapping[str, float] | None, error: TrimError
 ) -> TrimError:
-    """The error of a failed trim with the airspeed nearest to the one asked for that trims."""
+    """The error of a failed trim, with the nearest airspeed that trims."""
     condition = error.condition
     powered = len(airframe.stopped) < airframe.engines or condition.balance != "throttle"
     wants = condition.searched_by == "newton" and condition.balance != "speed" and powered
@@ -58,10 +58,10 @@ def with_nearest(
 def _nearest_speed(
     airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None
 ) -> TrimCondition | None:
-    """The condition at the whole speed in KCAS nearest to its own that trims; None without one.
+    """The condition at the nearest speed in whole KCAS that trims; None if none is found.
 
-    It lies between its own speed and a usual one that trims: too fast, it is the fastest that
-    trims, too slow, the slowest.
+    The search bisects between the condition's speed and a typical speed that trims, so it ends at
+    the maximum or minimum speed of the range that trims.
     """
     trimmer = Trimmer(airframe)
 
@@ -92,5 +92,5 @@ def _nearest_speed(
             good = middle
         else:
             bad = middle
-    # as a user will trim it: with a freshly loaded model
+    # confirm with a freshly loaded model, as a user will trim it
     return trims(good, warm=False)

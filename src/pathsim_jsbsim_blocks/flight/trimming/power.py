@@ -1,4 +1,4 @@
-"""Engines that give no thrust: whether they have fuel, and why they do not run."""
+"""Engines without thrust: whether they have fuel, and why they do not run."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _BEST_POWER = 0.85
 
 
 def fill(airframe: Airframe) -> list[Engine]:
-    """Engines to which the model's own fuel system gives no fuel, after it has had the time to.
+    """Engines without fuel after the model's own fuel system has had time to supply it.
 
-    Frozen fuel keeps the engines running, and their pumps.
+    Meanwhile frozen fuel keeps the engines and their pumps running.
     """
     if not airframe.without_fuel():
         return []
@@ -52,7 +52,7 @@ def no_fuel(
     why = f"no fuel for engine{'s' * (len(engines) > 1)} {numbers}: "
     why += ", ".join(f"{name} = {x:.3g}" for name, x in {**shut, **empty}.items())
     why += " (shut by the model or the setup: open its valves)" if shut else ""
-    # tanks of other engines are none of its valves
+    # only tanks that feed no engine can be behind a closed valve
     fed = {tank for engine in airframe.engine_list for tank in engine.tanks}
     others = [name for i, name in enumerate(airframe.tanks) if i not in fed and fdm[name] > 0.0]
     if others:
@@ -76,7 +76,7 @@ def not_running(
     flight: SteadyFlight,
     residuals: Mapping[str, float],
 ) -> TrimError:
-    """The error of engines that do not run; a mixture is named where another one helps."""
+    """The error of engines that do not run; it names a mixture with which they would."""
     still = airframe.not_running()
     numbers = ", ".join(map(str, still))
     engines = f"engine{'s' * (len(still) > 1)} {numbers}"
@@ -106,6 +106,6 @@ def _runs(
     other.write(setup)
     with other.fuel_frozen(), other.engines_stopped():
         initialise(other, condition, condition.heading)
-        there = SteadyFlight(other, condition, Effort(), flight.in_time)
-        there.settled(there.guess(3.0, 0.9))
+        trial = SteadyFlight(other, condition, Effort(), flight.in_time)
+        trial.settled(trial.guess(3.0, 0.9))
     return not other.not_running()

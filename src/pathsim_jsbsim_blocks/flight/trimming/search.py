@@ -1,4 +1,4 @@
-"""Gauss-Newton within limits: from a guess to where the residuals of steady flight vanish."""
+"""Gauss-Newton search within limits for the zero of the residuals of steady flight."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from .equations import SteadyFlight, size
 # fraction of the tolerances at which the search ends
 POLISHED = 1e-5
 
-# a step that promises to leave more than this of the residuals ends the search; with a quantity at
-# the end of its range, which is where most failures end, more is asked for
+# stop if the step would leave more than this fraction of the residuals; with a quantity at its
+# limit, where most failures end, the requirement is stricter
 _MAX_LEFT = 0.98
 _MAX_LEFT_AT_LIMIT = 0.9
 
 _ITERATIONS = 30
 
-# strides from where an earlier search has ended: this one would go the same way
+# strides; a search that comes this close to the end of an earlier one would repeat it, and stops
 _ON_THE_WAY = 0.02
 
-# shares of a step that are tried until the residuals get smaller
+# fractions of a step that are tried until the residuals decrease
 _SHARES = (1.0, 0.4, 0.16, 0.06, 0.02)
 
 
 class Reached(NamedTuple):
-    """Where a search has ended."""
+    """The end of a search."""
 
     x: np.ndarray
     residuals: np.ndarray  # in tolerances
@@ -36,7 +36,7 @@ class Reached(NamedTuple):
 
     @property
     def size(self) -> float:
-        """The largest residual, in tolerances."""
+        """The maximum residual, in tolerances."""
         return size(self.residuals)
 
 
@@ -44,16 +44,16 @@ def descend(
     flight: SteadyFlight,
     x: np.ndarray,
     slopes: np.ndarray | None = None,
-    known: Sequence[np.ndarray] = (),
+    ends: Sequence[np.ndarray] = (),
 ) -> Reached:
-    """Where the search from ``x`` ends; near an end that is ``known`` it goes no further."""
+    """Search from ``x`` to its end; stop near one of the ``ends`` of earlier searches."""
     x = np.minimum(np.maximum(x, flight.low), flight.high)
     r = flight.settled(x)
     norm = _norm(r)
     for _ in range(_ITERATIONS):
         if size(r) <= POLISHED or not math.isfinite(norm) or flight.effort.over:
             break
-        if any((abs(x - end) <= _ON_THE_WAY * flight.strides).all() for end in known):
+        if any((abs(x - end) <= _ON_THE_WAY * flight.strides).all() for end in ends):
             break
         fresh = slopes is None
         if slopes is None:
@@ -86,7 +86,7 @@ def descend(
 def _shortened(
     flight: SteadyFlight, x: np.ndarray, full: np.ndarray, norm: float, fresh: bool
 ) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """The first share of a step that makes the residuals smaller; old slopes get one trial."""
+    """The first fraction of a step that reduces the residuals; old slopes get one trial."""
     for share in _SHARES if fresh else _SHARES[:1]:
         y = np.minimum(np.maximum(x + share * full, flight.low), flight.high)
         r = flight.trial(y)
@@ -127,7 +127,7 @@ def bounded(
         fixed = np.where(held, x, 0.0)
         aims = np.where(held, fixed, aim - square @ fixed)
         y = solution(np.where(held[:, None] | held, unit, square), aims)
-        # as far as the first limit
+        # fractions of the step to each limit
         ways = [
             1.0 if least <= to <= most else ((least if to < least else most) - at) / (to - at)
             for at, to, (least, most) in zip(x.tolist(), y.tolist(), limits, strict=True)
@@ -140,7 +140,7 @@ def bounded(
             held[i] = True
             continue
         x = y
-        # how much each limit holds back; negative where it does not
+        # Lagrange multipliers of the active limits; a negative one means that it can be released
         uphill = a.T @ (a @ x - b)
         back = np.where(held, np.where(x <= low, uphill, -uphill), 0.0)
         i = int(back.argmin())
@@ -151,11 +151,11 @@ def bounded(
 
 
 def solution(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The solution of a x = b, the least one if there are many; NaN where numbers overflow."""
+    """The solution of a x = b, of minimum norm if there are many; NaN if numbers overflow."""
     try:
         return np.linalg.solve(a, b)
     except np.linalg.LinAlgError:
-        # of infinities it never returns
+        # lstsq would never return for infinities
         if np.isfinite(a).all() and np.isfinite(b).all():
             return np.linalg.lstsq(a, b, rcond=None)[0]
         return np.full(len(b), math.nan)

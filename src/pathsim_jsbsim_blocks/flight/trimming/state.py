@@ -1,4 +1,4 @@
-"""The state that a trim finds: `TrimState`, and how it is read from an airframe."""
+"""The trimmed state: `TrimState`, and how it is read from an airframe."""
 
 from __future__ import annotations
 
@@ -73,13 +73,13 @@ UNITS = {
 
 
 def _read(name: str) -> Any:
-    """A field that shows an output of an aircraft, or a property."""
+    """A field with the value of an aircraft's output, or of a property."""
     return dataclasses.field(metadata={"property": property_of(name)})
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrimState:
-    """The trimmed state found, with its residuals.
+    """The trimmed state, with its residuals.
 
     Attributes
     ----------
@@ -116,9 +116,9 @@ class TrimState:
     gear, flaps : float
         positions, 0 (up) to 1 (down)
     free : tuple[str, ...]
-        the quantities that the search has moved; the others were given
+        the unknowns of the search; the other quantities were fixed
     drift : Drift or None
-        how far it is from its trim after a flight with controls fixed, if `trim` was asked to fly
+        deviation from the trim after a flight with controls fixed, if `trim` has flown one
     """
 
     aircraft: str
@@ -173,8 +173,8 @@ class TrimState:
             values = value if isinstance(value, tuple) else (value,)
             if name in units and values:
                 # adding 0 turns -0.0 into 0.0
-                shown = [round(x, 6) + 0.0 for x in values]
-                numbers = "".join(f"{x % 360.0 if name == 'psi' else x:14.6f}" for x in shown)
+                rounded = [round(x, 6) + 0.0 for x in values]
+                numbers = "".join(f"{x % 360.0 if name == 'psi' else x:14.6f}" for x in rounded)
                 degrees = f" ({math.degrees(value):.4f} deg)" if units[name] == "rad" else ""
                 lines.append(f"  {name:<13}{numbers} {units[name]}{degrees}".rstrip())
         if self.free:
@@ -184,19 +184,19 @@ class TrimState:
         return "\n".join(lines)
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
-        """Show the table as the last line of a cell in IPython and Jupyter too."""
+        """The table, for the last line of a cell in IPython and Jupyter."""
         printer.text(str(self))
 
     def to_dict(self) -> dict[str, float]:
         """The state's numbers by name; those of each engine as ``throttle[0]``."""
-        found: dict[str, float] = {}
+        numbers: dict[str, float] = {}
         for name in (n for n in UNITS if n in vars(self)):
             value = getattr(self, name)
             if isinstance(value, tuple):
-                found |= {f"{name}[{i}]": x for i, x in enumerate(value)}
+                numbers |= {f"{name}[{i}]": x for i, x in enumerate(value)}
             else:
-                found[name] = value
-        return found
+                numbers[name] = value
+        return numbers
 
     def to_frame(self) -> pandas.DataFrame:
         """The state as a pandas table: value and unit by name.
@@ -240,12 +240,12 @@ _NUMBERS = [f.name for f in dataclasses.fields(TrimState) if f.name in UNITS]
 def read_state(
     airframe: Airframe, condition: TrimCondition, free: tuple[str, ...] = ()
 ) -> TrimState:
-    """Current state of an initialised airframe, with what a search has moved."""
+    """Current state of an initialised airframe; ``free`` are the unknowns of the search."""
     fdm = airframe.fdm
-    found: dict[str, Any] = {name: fdm[source] for name, source in STATE.items()}
-    found |= {rate: OUTPUTS[rate].factor * fdm[property_of(rate)] for rate in "pqr"}
-    if found["psi"] > ALMOST_NORTH:
-        found["psi"] = 0.0
+    fields: dict[str, Any] = {name: fdm[source] for name, source in STATE.items()}
+    fields |= {rate: OUTPUTS[rate].factor * fdm[property_of(rate)] for rate in "pqr"}
+    if fields["psi"] > ALMOST_NORTH:
+        fields["psi"] = 0.0
     thrusts = [fdm[name] for name in airframe.of_engines("thrust-lbs")]
     return TrimState(
         aircraft=airframe.aircraft,
@@ -254,12 +254,12 @@ def read_state(
         # fsum refuses infinities of both signs
         thrust=math.fsum(thrusts) if all(map(math.isfinite, thrusts)) else math.nan,
         free=free,
-        **found,
+        **fields,
     )
 
 
-def not_finite(found: TrimState) -> list[str]:
+def not_finite(state: TrimState) -> list[str]:
     """Names of the fields of a state that are not finite."""
-    fields = [(name, getattr(found, name)) for name in _NUMBERS]
+    fields = [(name, getattr(state, name)) for name in _NUMBERS]
     rows = [(name, x if isinstance(x, tuple) else (x,)) for name, x in fields]
     return [name for name, values in rows if not all(map(math.isfinite, values))]

@@ -23,20 +23,20 @@ from .initial import engines_off, initialise, is_initial, properties
 from .search import POLISHED, Reached, descend
 from .state import STATE, TrimState, not_finite, read_state
 
-# first guesses, one after the other until one leads to a trim: alpha in deg, throttle
+# first guesses, tried until one leads to a trim: alpha in deg, throttle
 _GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
 
-# of the residuals, by which those of two ends at one limit may differ that count as one
+# maximum relative difference of the residuals of two ends that count as the same
 _SAME_END = 0.5
 
-# of the range of the throttle in which thrust becomes too much
+# bisections of the throttle between too little and too much thrust
 _HALVINGS = 10
 
-# times the airspeed, at which the last guess is trimmed first
+# factor on the airspeed for the trim from which the last search starts
 _FASTER = 1.15
 
-# in this order a limit is taken for the cause of a failure: slow flight needs too much alpha first,
-# and then more thrust and elevator than there are; with the reason that the error gives
+# reason of the error by the unknown at its limit, in order of priority: slow flight first needs too
+# much alpha, and then more thrust and elevator than available
 _CAUSES = {
     "alpha": "alpha limit",
     "throttle": "thrust",
@@ -54,7 +54,7 @@ _ANGLES = ("alpha", "phi", "beta", "gamma", "rate")
 
 
 class Seed(NamedTuple):
-    """Where a search has ended, for the next one near it."""
+    """The end of a search, as the start of the next one."""
 
     names: list[str]
     x: np.ndarray
@@ -69,20 +69,20 @@ class Seed(NamedTuple):
 
 
 class Trimmer:
-    """Trims an airframe, and keeps what its next trim depends on.
+    """Trims an airframe repeatedly.
 
-    A trim begins with a freshly loaded model. A warm one goes on with the model as the last trim
-    has left it, from where that was found.
+    A trim begins with a freshly loaded model. A warm one continues from the last trim, with the
+    model in its present state.
     """
 
     def __init__(self, airframe: Airframe):
         # the table of trimmers must keep no airframe alive
         self.airframe: Airframe = weakref.proxy(airframe)
-        # whether a search has run on the executive, and has left it unusable as a start
+        # whether a search has run on the executive, and has left it unfit as a starting point
         self._used = self._spent = False
         self._seed: Seed | None = None
         self._leaves_traces = True
-        # whether the last trim was found in steps of time
+        # whether the last trim used steps of time (`SteadyFlight`)
         self.in_time = False
         # a twin for short flights
         self._stand_in: Airframe | None = None
@@ -103,9 +103,9 @@ class Trimmer:
         fly: float = check.SHORT,
         like: Trimmer | None = None,
     ) -> tuple[TrimState, HandsOff | None]:
-        """Trim, and fly a stand-in from there for ``fly`` s; None where nothing is flown.
+        """Trim, and fly a second aircraft from the trim for ``fly`` s; None without a flight.
 
-        Nothing is flown where the trim repeats the last one of ``like``.
+        There is no flight if the trim repeats the last one of ``like``.
         """
         self._effort = Effort()
         by_jsbsim = condition.mode == "none" or condition.searched_by == "jsbsim"
@@ -122,18 +122,18 @@ class Trimmer:
                 if like is not None:
                     ways, fly = [like.in_time], 0.0
                 elif self.airframe.has_kind("turboprop"):
-                    # they have no power outside of steps of time
+                    # turboprops have power only in steps of time
                     ways = [True]
                 return self._by_newton(condition, setup, seed, used, ways, fly)
         finally:
             if not by_jsbsim:
                 self.airframe.freeze_fuel(False)
-        found = self._by_jsbsim(condition)
+        state = self._by_jsbsim(condition)
         if fly <= check.SHORT or condition.mode in ("none", "ground", "pull-up"):
-            return found, None
+            return state, None
         other = self.airframe.twin()
         Trimmer(other).trim(condition, setup)
-        return found, check.fly(other, condition, fly)
+        return state, check.fly(other, condition, fly)
 
     def _renew(self) -> None:
         self.airframe.renew()
@@ -141,10 +141,10 @@ class Trimmer:
         self._seed = None
 
     def _initialise(self, condition: TrimCondition, setup: Mapping[str, float] | None) -> None:
-        """Write a condition, start the engines and initialise; refuse what no search can trim."""
+        """Write a condition, start the engines and initialise; refuse engines without fuel."""
         airframe = self.airframe
         written = properties(airframe, condition, setup)
-        # without a search nothing needs the condition's own speed and attitude
+        # without a search, initial conditions of a setup replace the condition's
         initial = {}
         if condition.mode == "none":
             initial = {n: v for n, v in written.items() if is_initial(airframe.canonical(n))}
@@ -155,7 +155,7 @@ class Trimmer:
         elif condition.searched_by == "jsbsim":
             self._start(airframe, condition)
             if airframe.without_fuel():
-                # whose search is to find the model as it is
+                # on a twin, so that JSBSim's search starts with an unchanged model
                 other = airframe.twin()
                 other.resemble(airframe)
                 with other.fuel_frozen():
@@ -181,7 +181,7 @@ class Trimmer:
             self._start(airframe, condition)
 
     def _refuse_impossible(self, condition: TrimCondition) -> None:
-        """Raise TrimError where no search can find a trim."""
+        """Raise TrimError if no search can succeed."""
         airframe, fdm = self.airframe, self.airframe.fdm
         if condition.mode == "none":
             return
@@ -198,16 +198,16 @@ class Trimmer:
             raise failure(airframe, condition, "thrust")
 
     def _by_jsbsim(self, condition: TrimCondition) -> TrimState:
-        """What JSBSim's own search finds; without a search the initial state."""
+        """Trim by JSBSim's own search; in mode "none" the initial state."""
         airframe, moved = self.airframe, tuple[str, ...]()
         if condition.mode != "none":
             with airframe.engines_stopped():
                 moved = jsbsim.find(airframe, condition)
-        found = read_state(airframe, condition, moved)
-        if broken := not_finite(found):
+        state = read_state(airframe, condition, moved)
+        if broken := not_finite(state):
             why = f"{', '.join(broken)} not finite after the trim"
             raise failure(airframe, condition, "no convergence", why)
-        return found
+        return state
 
     def _by_newton(
         self,
@@ -218,12 +218,12 @@ class Trimmer:
         ways: Sequence[bool],
         fly: float,
     ) -> tuple[TrimState, HandsOff | None]:
-        """The first trim that the seed or a guess leads to and that holds in a short flight."""
+        """The first trim from the seed or a guess that holds in a short flight."""
         airframe = self.airframe
         if seed is not None and seed.trimmed:
             with airframe.engines_stopped():
-                if found := self._from_seed(condition, seed, fly):
-                    return found
+                if result := self._from_seed(condition, seed, fly):
+                    return result
         refused: TrimError | None = None
         for in_time in ways:
             if used and (refused or self._leaves_traces):
@@ -244,7 +244,7 @@ class Trimmer:
     def _from_seed(
         self, condition: TrimCondition, seed: Seed, fly: float
     ) -> tuple[TrimState, HandsOff | None] | None:
-        """The trim near the last one; None if it is not found to full precision, or is another."""
+        """The trim near the last one; None without full precision, or if it does not hold."""
         flight = SteadyFlight(self.airframe, condition, self._effort, seed.in_time)
         if "elevator" in seed.names:
             flight.without_pitch_trim()
@@ -275,14 +275,14 @@ class Trimmer:
         return self._arrived(condition, flight, best, fly)
 
     def _ends(self, flight: SteadyFlight, slopes: np.ndarray | None) -> Iterator[Reached]:
-        """Where searches from one first guess after the other end; the first takes ``slopes``."""
+        """Ends of searches from the first guesses in turn; the first search uses ``slopes``."""
         ends: list[np.ndarray] = []
         before: Reached | None = None
         for alpha, throttle in _GUESSES:
-            reached = descend(flight, flight.guess(alpha, throttle), slopes, known=ends)
+            reached = descend(flight, flight.guess(alpha, throttle), slopes, ends=ends)
             yield reached
             if before and _at_one_limit(flight, before, reached):
-                # two searches from far apart: the others would end there too
+                # two searches from distant guesses end at one limit: the others would too
                 break
             ends.append(reached.x)
             before, slopes = reached, reached.slopes
@@ -291,21 +291,21 @@ class Trimmer:
         i = flight.names.index("alpha")
         if "speed" in flight.names or all(flight.low[i] < x[i] < flight.high[i] for x in ends):
             return
-        # where lift is short, the neighbour that has more is nearer than any guess
+        # if lift is insufficient, a trim at a higher speed is a better start than any guess
         speed = flight.given["speed"]
         flight.given["speed"] = _FASTER * speed
         faster = descend(flight, flight.guess(*_GUESSES[0]))
         flight.given["speed"] = speed
         if faster.size <= 1.0:
-            yield descend(flight, faster.x, faster.slopes, known=ends)
+            yield descend(flight, faster.x, faster.slopes, ends=ends)
 
     def _arrived(
         self, condition: TrimCondition, flight: SteadyFlight, reached: Reached, fly: float
     ) -> tuple[TrimState, HandsOff | None]:
-        """The state at which a search has ended, if it is a trim that holds."""
+        """The state at the end of a search, if it is a trim that holds."""
         airframe, x = self.airframe, reached.x
         if reached.size <= 1.0:
-            # a search that has used up its effort must not keep the propellers from settling
+            # reset, because an exhausted effort would keep the propellers from settling
             self._effort.steps = 0
         # the last state written need not be the best
         r, residuals = flight.arrive(x)
@@ -337,25 +337,25 @@ class Trimmer:
         return state, flown
 
     def _keep(self, flight: SteadyFlight, reached: Reached, *, trimmed: bool) -> None:
-        """Keep where a search has ended for the next trim."""
+        """Store the end of a search for the next trim."""
         if reached.slopes is not None:
-            found = reached.x, reached.slopes, flight.has_memory, flight.in_time
-            self._seed = Seed(flight.names, *found, trimmed)
+            end = reached.x, reached.slopes, flight.has_memory, flight.in_time
+            self._seed = Seed(flight.names, *end, trimmed)
 
     def _flown(
         self, condition: TrimCondition, flight: SteadyFlight, x: np.ndarray, fly: float
     ) -> HandsOff:
-        """A flight of a stand-in from a trim that was found on the airframe."""
+        """A flight of a second aircraft from the airframe's trim."""
         other = self._stand_in = self._stand_in or self.airframe.twin()
         other.resemble(self.airframe)
         with other.fuel_frozen(), other.engines_stopped():
             initialise(other, condition, condition.heading)
             other.fdm[STATE["elevator"]] = self.airframe.fdm[STATE["elevator"]]
-            there = SteadyFlight(other, condition, Effort(), flight.in_time)
+            trial = SteadyFlight(other, condition, Effort(), flight.in_time)
             if "elevator" in flight.names:
-                there.without_pitch_trim()
-            there.has_memory, there.leaps = flight.has_memory, flight.leaps
-            there.hold(x)
+                trial.without_pitch_trim()
+            trial.has_memory, trial.leaps = flight.has_memory, flight.leaps
+            trial.hold(x)
         flown = check.fly(other, condition, fly)
         if flown.moves or flown.leaves or flown.starved or fly > check.SHORT:
             self._stand_in = None
@@ -369,7 +369,7 @@ class Trimmer:
         r: np.ndarray,
         residuals: dict[str, float],
     ) -> TrimError:
-        """The error of a search that has not found a trim, and the limit at which it has ended."""
+        """The error of a failed search, with the limit at which it ended."""
         if flight.jumps:
             return failure(self.airframe, condition, "propeller", residuals=residuals)
         name = binding(flight, condition, x, r)
@@ -396,8 +396,7 @@ _trimmers: weakref.WeakKeyDictionary[Airframe, Trimmer] = weakref.WeakKeyDiction
 def _within_thrust(flight: SteadyFlight, reached: Reached) -> np.ndarray | None:
     """The unknowns with a throttle between too much and too little thrust, if there is one.
 
-    A limiter of the torque leaves an open throttle without effect, and a search there without a
-    way back.
+    Above a torque limit the throttle has no effect, so a search cannot return from there.
     """
     if "throttle" not in flight.names or flight.effort.over:
         return None
@@ -416,7 +415,7 @@ def _within_thrust(flight: SteadyFlight, reached: Reached) -> np.ndarray | None:
 
 
 def _at_one_limit(flight: SteadyFlight, one: Reached, other: Reached) -> bool:
-    """Whether two searches have ended at a limit that they share, with like residuals."""
+    """Whether two searches have ended at the same limit, with similar residuals."""
     low = (one.x <= flight.low) & (other.x <= flight.low)
     high = (one.x >= flight.high) & (other.x >= flight.high)
     apart = np.linalg.norm(one.residuals - other.residuals)
@@ -424,18 +423,18 @@ def _at_one_limit(flight: SteadyFlight, one: Reached, other: Reached) -> bool:
 
 
 def _at_end(flight: SteadyFlight, x: np.ndarray, r: np.ndarray) -> np.ndarray:
-    """The unknowns with the throttle at the end that the residual along the path asks for."""
+    """The unknowns with the throttle at the limit that reduces the residual along the path."""
     i, x = flight.names.index("throttle"), x.copy()
     x[i] = (flight.low if r[0] > 0.0 else flight.high)[i]
     return x
 
 
 def binding(flight: SteadyFlight, condition: TrimCondition, x: np.ndarray, r: np.ndarray) -> str:
-    """The unknown at the end of its range that holds the search back; empty if none is."""
+    """The unknown at a limit that stops the search; empty if none does."""
     more = {"alpha": r[flight.used.index("wdot")] > 0.0}
     if condition.thrust is None:
         more["throttle"] = r[0] < 0.0
     ends = zip(flight.names, x <= flight.low, x >= flight.high, strict=True)
-    # not where a search has got stuck and the other end would help
+    # only limits in the direction that would help, not where a search is merely stuck
     names = [n for n, low, high in ends if (low or high) and more.get(n, high) == high]
     return min(names, key=[*_CAUSES].index, default="")
