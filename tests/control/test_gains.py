@@ -7,6 +7,7 @@ import dataclasses
 import json
 from fractions import Fraction
 from pathlib import Path
+from typing import get_args
 
 import all_holds
 import numpy as np
@@ -25,6 +26,7 @@ from pathsim_jsbsim_blocks import (
     YawDamper,
 )
 from pathsim_jsbsim_blocks.control.gain_tables import (
+    TABLES,
     document_of,
     loop_gains,
     read_gains,
@@ -37,6 +39,7 @@ from pathsim_jsbsim_blocks.control.gains import (
     EnvelopeLimits,
     GainSchedule,
     SpeedGains,
+    TableName,
     YawGains,
 )
 from pathsim_jsbsim_blocks.errors import FileError
@@ -52,6 +55,10 @@ def test_every_hold_takes_every_table(hold, table):
     block = hold(gains=table)
     assert block.gains == table
     assert hold(gains=GAINS[table]).gains is GAINS[table]
+
+
+def test_editors_know_the_names_of_all_tables():
+    assert sorted(get_args(TableName)) == sorted(path.stem for path in TABLES.glob("*.json"))
 
 
 @pytest.mark.parametrize("hold", HOLDS)

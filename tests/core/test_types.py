@@ -19,6 +19,8 @@ from pathsim_jsbsim_blocks import (
     LinearAircraft,
     PitchHold,
 )
+from pathsim_jsbsim_blocks.design import design_gains, design_schedule
+from pathsim_jsbsim_blocks.flight import TrimCondition, linear_model
 
 PitchHold("737", theta_ref=3.0, T=0.02)
 PitchHold(theta_rf=3.0)  # unexpected
@@ -38,6 +40,12 @@ CAStoTAS(altitude_knd="geometric")  # unexpected
 Autopilot(psi_reff=3.0)  # unexpected
 PitchHold().theta_rf = 5.0  # no attribute
 PitchHold()["theta"]
+design_gains("c172p", create="missing", root=None)
+design_gains("c172p", creat="missing")  # unexpected
+design_gains("c172p", create=3)  # incompatible
+design_schedule("c172p", TrimCondition(), [5000], [90], T=0.02, setup={})
+design_schedule("c172p", TrimCondition(), [5000], [90], substep=2)  # unexpected
+linear_model("c172p", alow_files=True)  # unexpected
 
 
 @dataclass(eq=False)

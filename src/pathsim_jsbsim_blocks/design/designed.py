@@ -10,7 +10,7 @@ import reprlib
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from .._core.checks import flag, known_keywords, refuse, refuse_unknown
 from .._core.units import GRAVITY
@@ -25,6 +25,7 @@ from ..control.gains import (
 from ..errors import DesignError, FlightError, LinearisationError
 from ..flight import Airframe, TrimCondition, TrimState, level_flight
 from ..flight.aircraft import Aircraft
+from ..flight.options import AircraftOptions
 from ..linear.model import LinearModel
 from . import requirements as req
 from .envelope import envelope
@@ -45,11 +46,11 @@ from .search import PITCH, ROLL, Loop, LoopReport, Neighbours, Unstable, closed,
 from .steps import STEPS, fly_step
 from .turbulence import in_turbulence
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 _INPUTS = ("elevator", "aileron", "rudder", "throttle")
 _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
-
-# of `Aircraft`, that a design passes on
-_OPTIONS = ("setup", "properties", "root", "create", "allow_network", "allow_files")
 
 # weight of the throttle's stops in turbulence where a step in airspeed or altitude is not finished
 RELAXED_STOP_WEIGHT = 0.05
@@ -130,7 +131,7 @@ def design_gains(
     substeps: int = 1,
     check: bool = True,
     near: Sequence[AircraftGains] = (),
-    **options: Any,
+    **options: Unpack[AircraftOptions],
 ) -> DesignedGains:
     """Gains of all loops of an aircraft at one condition of level flight, by loop shaping.
 
@@ -263,11 +264,14 @@ def _refused(aircraft: str, condition: TrimCondition) -> Iterator[None]:
         ) from error
 
 
-def check_options(function: Callable[..., Any], options: Mapping[str, Any]) -> None:
-    """Refuse keywords that neither the function nor `design_gains` documents."""
-    names = [*inspect.signature(function).parameters, *inspect.signature(design_gains).parameters]
-    known = [name for name in dict.fromkeys(names) if name != "options"]
-    refuse_unknown(function.__name__, options, [*known, *_OPTIONS])
+def check_options(
+    function: Callable[..., Any],
+    options: Mapping[str, Any],
+    known: type[AircraftOptions] = AircraftOptions,
+) -> None:
+    """Refuse keywords that are neither the function's own nor among its options."""
+    names = [name for name in inspect.signature(function).parameters if name != "options"]
+    refuse_unknown(function.__name__, options, [*names, *known.__annotations__])
 
 
 def check_near(near: Any, kind: type) -> None:

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -16,9 +16,22 @@ from ..control.gain_tables import write_gains
 from ..control.gains import DesignPoint, GainSchedule
 from ..errors import DesignError, TrimError
 from ..flight import TrimCondition
+from ..flight.options import AircraftOptions
 from ..flight.trimming.condition import check_condition
 from .designed import DesignedGains, check_near, check_options, design_gains
 from .search import LoopReport
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class DesignOptions(AircraftOptions, total=False):
+    """Parameters of each design, as of `design_gains`."""
+
+    method: Literal["flown", "algebraic"]
+    T: float
+    substeps: int
+    check: bool
 
 
 @dataclass(frozen=True)
@@ -97,7 +110,7 @@ def design_schedule(
     *,
     progress: Callable[[DesignedGains | Exception], None] | None = None,
     near: Sequence[DesignedGains] = (),
-    **options: Any,
+    **options: Unpack[DesignOptions],
 ) -> DesignedSchedule:
     """Design gains at each of some altitudes and airspeeds.
 
@@ -121,7 +134,8 @@ def design_schedule(
     near : list of DesignedGains, optional
         designs of further altitudes and airspeeds, as neighbours of those to be found
     **options
-        as of `design_gains`
+        ``method``, ``T``, ``substeps`` and ``check`` as of `design_gains`, and the options of the
+        aircraft that it has
 
     Raises
     ------
@@ -130,7 +144,7 @@ def design_schedule(
     ParameterError
         for no altitude, no airspeed, a value that cannot be, a Mach number, or an unknown option
     """
-    check_options(design_schedule, options)
+    check_options(design_schedule, options, DesignOptions)
     check_condition(condition)
     check_near(near, DesignedGains)
     if progress is not None and not callable(progress):

@@ -104,6 +104,14 @@ class FlightBlock(Parametric, SampledPlant):
     # that a parameter acts at the next reset
     _warned_of_reset = False
 
+    @classmethod
+    def _trimmed_like(cls, before: tuple[str, Airframe] | None, **parameters: Any) -> Any:
+        """A block that takes over the trim of an earlier flight with the same parameters."""
+        block = cls.__new__(cls)
+        block._before = before
+        cls.__init__(block, **parameters)
+        return block
+
     def _begin(self) -> None:
         SampledPlant.__init__(self, self.T)
         if self.flightgear is None:

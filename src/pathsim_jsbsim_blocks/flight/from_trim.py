@@ -32,11 +32,8 @@ def twin(flown: Flyable) -> Any:
     block: Any = next(c for c in type(flown).__mro__ if "__dataclass_fields__" in vars(c))
     parameters = {f.name: getattr(flown, f.name) for f in fields(block)}
     sealed = dict.fromkeys(("allow_network", "allow_files"), False)
-    other = block.__new__(block)
-    other.__dict__["_before"] = flown._before
     with _unobserved(), sending_to(None):
-        other.__init__(**{**parameters, **sealed, "flightgear": None})
-    return other
+        return block._trimmed_like(flown._before, **{**parameters, **sealed, "flightgear": None})
 
 
 def trim_here(flown: Flyable, changes: Mapping[str, Any]) -> TrimState:

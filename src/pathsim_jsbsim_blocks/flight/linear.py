@@ -6,14 +6,17 @@ What is imported from there is imported when it is asked for.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from .flyable import Flyable
+from .options import AircraftOptions
 from .trimming.condition import TrimCondition
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from ..linear.model import LinearModel
 
 
@@ -27,7 +30,7 @@ def linear_model(
     *,
     T: float = 1 / 120,
     substeps: int = 1,
-    **options: Any,
+    **options: Unpack[AircraftOptions],
 ) -> LinearModel:
     """Linear model of an aircraft about a trim, with the commands and outputs of `Aircraft`.
 

@@ -185,7 +185,9 @@ class VerticalSpeedHold(GuidedHold):
         allowed, guard = vertical.guard(before, now, vc, full_throttle=True)
         asked, reference = self.wanted("hdot_ref", hdot_ref), self.wanted("h_ref", h_ref, h)
         wanted, hdot_cmd, altitude, climb = vertical.for_climb(
-            *(before, now, allowed),
+            before,
+            now,
+            allowed,
             reference=reference,
             idle=idle,
             before=state.climb,
@@ -284,7 +286,9 @@ class SpeedOnPitchHold(GuidedHold):
         )
         reference = self.wanted("h_ref", h_ref, h)
         wanted, hdot_cmd, altitude, climb = vertical.for_climb(
-            *(before, now, allowed),
+            before,
+            now,
+            allowed,
             reference=reference,
             idle=idle,
             before=state.climb,

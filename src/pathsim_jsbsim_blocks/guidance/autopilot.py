@@ -261,7 +261,9 @@ class Autopilot(GuidedHold):
         held = state.pitched if state.pitched.law.engaged else state.speed
         vc_cmd = self.speed.loop.reference(held, vc)
         allowed, guard = vertical.guard(
-            *(before, motion, vc),
+            before,
+            motion,
+            vc,
             full_throttle=now.thr_sat > 0.0,
             vc_cmd=vc_cmd,
             hold_pitch=pitching,
@@ -274,7 +276,9 @@ class Autopilot(GuidedHold):
 
         protection = vertical.protection(alpha)
         wanted, hdot_cmd, altitude, climb = vertical.for_climb(
-            *(before, motion, allowed),
+            before,
+            motion,
+            allowed,
             reference=self.wanted("h_ref", now.h_ref, h),
             idle=pitch_off or pitching,
             before=state.climb,
@@ -321,7 +325,13 @@ class Autopilot(GuidedHold):
         wanted, keeps = self.speed.loop.towards(held, vc, self.wanted("vc_ref", now.vc_ref, vc))
         wanted = self.airspeed_within(allowed, wanted, vc)
         throttle, vc_cmd, speed = self.speed.sample(
-            *(state.speed, vc, hdot, wanted, keeps, now.thr_sat, off or on_pitch),
+            state.speed,
+            vc,
+            hdot,
+            wanted,
+            keeps,
+            now.thr_sat,
+            off or on_pitch,
             boost=allowed.boost,
             feed=allowed.feed,
         )
@@ -352,7 +362,9 @@ class Autopilot(GuidedHold):
         """Aileron increment, bank reference in deg, and the next state."""
         rolling, off = now.roll_mode != 0.0, now.roll_off != 0.0
         bank, heading = self.heading.sample(
-            *(state.heading, now.psi, self.wanted("psi_ref", now.psi_ref)),
+            state.heading,
+            now.psi,
+            self.wanted("psi_ref", now.psi_ref),
             idle=off or rolling,
             phi=now.phi,
             vt=now.vt,
