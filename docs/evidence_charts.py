@@ -27,7 +27,7 @@ def steps():
     for ax, loop in zip(axes, ("pitch", "roll", "heading", "altitude", "speed"), strict=True):
         (column,) = (c for c in table.columns if c.startswith(f"{loop}:"))
         seconds = [float(cell.split(",")[0]) for cell in table[column]]
-        failed = [loop in row for row in table.iloc[:, -1]]
+        failed = [loop in row for row in table["verdict"]]
         ax.scatter(seconds, range(len(table)), c=["tab:red" if f else "tab:blue" for f in failed])
         if loop in limits:
             ax.axvline(limits[loop], color="0.5", linestyle="--")

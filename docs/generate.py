@@ -13,6 +13,7 @@ import json
 import os
 import re
 import runpy
+import subprocess
 import sys
 import tempfile
 import warnings
@@ -238,18 +239,17 @@ def blocks_page():
 
 
 def fleet_page():
-    """How every aircraft that jsbsim brings does in level flight or a glide."""
-    rows = list(fleet_table())
-    write_table("fleet", HEADER + "".join(f"{format_row(row)}\n" for row in rows))
-    trims = sum(row.verdict.startswith("trims") for row in rows)
-    glides = sum(row.verdict.startswith("glides") for row in rows)
-    departs = sum("not steady" in row.verdict for row in rows)
+    """How every aircraft that jsbsim brings does in level flight or a glide: the table in words."""
+    verdicts = {row["aircraft"]: row["verdict"] for row in read_table("fleet")}
+    trims = sum(verdict.startswith("trims") for verdict in verdicts.values())
+    glides = sum(verdict.startswith("glides") for verdict in verdicts.values())
+    departs = sum("not steady" in verdict for verdict in verdicts.values())
     reasons = {}
-    for row in rows:
-        if not row.verdict.startswith(("trims", "glides")):
-            reasons.setdefault(row.verdict.removeprefix("no trim: "), []).append(row.aircraft)
+    for name, verdict in verdicts.items():
+        if not verdict.startswith(("trims", "glides")):
+            reasons.setdefault(verdict.removeprefix("no trim: "), []).append(name)
     return (
-        f"# The fleet\n\nThe {len(rows)} aircraft that jsbsim {version('jsbsim')} brings; "
+        f"# The fleet\n\nThe {len(verdicts)} aircraft that jsbsim {version('jsbsim')} brings; "
         f"{trims} of them trim in level flight,\n{glides} in a glide with the throttle closed; "
         f"{departs} of these leave their path by more than 20 ft.\n"
         "[All of them](fleet.csv).\n\n"
@@ -342,13 +342,31 @@ def doublet_table():
 
 
 def write_table(name, markdown):
-    """Write a Markdown table as CSV beside the pages of evidence, which have no long tables."""
+    """Write a Markdown table as CSV beside the pages of evidence, which have no long tables.
+
+    The last column is the commit whose code has made a row, unless the table has it already.
+    """
     lines = [line for line in markdown.splitlines() if not line.startswith("|---")]
+    rows = [[cell.strip() for cell in line.strip()[1:-1].split("|")] for line in lines]
+    if rows[0][-1] != "commit":
+        made_by = commit()
+        rows = [[*rows[0], "commit"], *([*row, made_by] for row in rows[1:])]
     with open(EVIDENCE / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        for line in lines:
-            cells = (cell.strip() for cell in line.strip()[1:-1].split("|"))
-            writer.writerow(re.sub(r"\[([^]]+)\]\([^)]*\)", r"\1", cell) for cell in cells)
+        for row in rows:
+            writer.writerow(re.sub(r"\[([^]]+)\]\([^)]*\)", r"\1", cell) for cell in row)
+
+
+def commit():
+    """The commit of the code that runs."""
+    command = ["git", "log", "-1", "--abbrev=9", "--format=%h"]
+    return subprocess.check_output(command, cwd=DOCS, text=True).strip()
+
+
+def read_table(name):
+    """The rows of a table of evidence, as dicts of texts."""
+    with open(EVIDENCE / f"{name}.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
 
 
 def put(page, name, text):
@@ -433,6 +451,25 @@ def modes_table():
         with ProcessPoolExecutor(1) as pool:
             lines.append(pool.submit(modes_of, name).result())
     write_table("fleet-modes", MODES_HEADER + "".join(lines))
+    put(EVIDENCE / "fleet-modes.md", "counts", modes_counts())
+
+
+def modes_counts():
+    """Which aircraft have no linear model, and which commands of the others are not linear."""
+    notes = {row["aircraft"]: row["note"] for row in read_table("fleet-modes")}
+    untrimmed = [name for name, note in notes.items() if note.startswith("no trim")]
+    models = [row["aircraft"] for row in read_table("fleet-modes") if row["doublet error"]]
+    without = [name for name in notes if name not in {*untrimmed, *models}]
+    lines = [
+        f"- **No level flight or glide:** {len(untrimmed)} aircraft.",
+        f"- **No linear model:** {', '.join(without)}.",
+    ]
+    kinds = {"Elevator": ["elevator"], "Aileron or rudder": ["aileron", "rudder"]}
+    for kind, inputs in (kinds | {"Throttle": ["throttle"]}).items():
+        refused = re.compile(rf"to ({'|'.join(inputs)}) is not linear")
+        names = [name for name in models if refused.search(notes[name])]
+        lines.append(f"- **{kind} not linear:** {', '.join(names)}.")
+    return "\n".join(lines)
 
 
 def modes_of(name):
@@ -517,6 +554,8 @@ def write_pages():
 
 
 def fleet():
+    rows = "".join(f"{format_row(row)}\n" for row in fleet_table())
+    write_table("fleet", HEADER + rows)
     (EVIDENCE / "fleet.md").write_text(fleet_page(), encoding="utf-8")
 
 

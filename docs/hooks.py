@@ -58,6 +58,7 @@ def link_pages(app, name, source):
         r"{py:obj}`\1 <pathsim_jsbsim_blocks.\1>`",
         source[0],
     )
+    source[0] = source[0].replace("(../CONTRIBUTING.md", "(contributing.md")
     if name == "gallery":
         source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\ngallery/*\n```\n"
 

@@ -17,7 +17,7 @@ import pandas as pd
 
 matplotlib.use("agg")
 
-from generate import write_table
+from generate import commit, read_table, write_table
 from matplotlib import pyplot as plt
 
 from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
@@ -74,13 +74,13 @@ def make(name, folder):
     if not file.exists():
         start = time.process_time()
         table = performance_table(name, jobs=1, progress=False)
-        table["seconds"] = time.process_time() - start
+        table = table.assign(seconds=time.process_time() - start, commit=commit())
         table.to_csv(file, index=False)
         page.unlink(missing_ok=True)
     table = pd.read_csv(file)
     table.attrs["aircraft"] = name
     if not page.exists():
-        figure = performance_chart(table.drop(columns="seconds"))
+        figure = performance_chart(table.drop(columns=["seconds", "commit"]))
         # without a date the file depends on the table alone
         figure.savefig(page, metadata={"CreationDate": None})
         plt.close(figure)
@@ -113,25 +113,29 @@ def line(name, table):
     median = f"{differences.median():.2f} %" if differences.count() else ""
     cells += [f"{differences.count()}", median]
     cells += [f"{table.seconds.iloc[0]:.0f}"]
-    return f"| {' | '.join([*cells, ', '.join(missing)])} |"
+    return f"| {' | '.join([*cells, ', '.join(missing), table.commit.iloc[0]])} |"
 
 
-def page(tables):
-    kept = pd.read_csv(EVIDENCE / "performance.csv", dtype=str, keep_default_na=False)
-    lines = {row.aircraft: f"| {' | '.join(row[1:])} |" for row in kept.itertuples()}
+def write(tables):
+    """Put the rows of these aircraft into the table; the other rows stay."""
+    lines = {r["aircraft"]: f"| {' | '.join(r.values())} |" for r in read_table("performance")}
     lines |= {name: line(name, table) for name, table in tables.items()}
-    lines = {name: lines[name] for name in fleet() if name in lines}
-    names = ["aircraft", *COLUMNS, "flown", "median", "time s", "missing"]
-    write_table("performance", "\n".join([f"| {' | '.join(names)} |", *lines.values()]))
+    names = ["aircraft", *COLUMNS, "flown", "median", "time s", "missing", "commit"]
+    rows = [lines[name] for name in fleet() if name in lines]
+    write_table("performance", "\n".join([f"| {' | '.join(names)} |", *rows]))
+
+
+def page():
+    """The page of the evidence: the table in words, and links."""
     made = pd.read_csv(EVIDENCE / "performance.csv")
     head = HEAD.format(
-        count=len(lines),
+        count=len(made),
         all=len(fleet()),
         flown=made.flown.sum(),
         median=pd.to_numeric(made["median"].str.rstrip(" %")).max(),
     )
-    links = ", ".join(f"[{name}](performance/{name}.pdf)" for name in lines)
-    later = [name for name in fleet() if name not in lines]
+    links = ", ".join(f"[{name}](performance/{name}.pdf)" for name in made.aircraft)
+    later = [name for name in fleet() if name not in {*made.aircraft}]
     rest = f"\nNot made yet: {', '.join(later)}.\n" if later else ""
     listed = textwrap.fill(links, 125, break_long_words=False, break_on_hyphens=False)
     return f"{head}{listed}.\n{rest}"
@@ -145,9 +149,10 @@ def main():
     for name in names or fleet():
         print(f"{name}: {make(name, folder).seconds.iloc[0]:.0f} s", flush=True)
     tables = {name: make(name, folder) for name in fleet() if (folder / f"{name}.csv").exists()}
-    (EVIDENCE / "performance.md").write_text(page(tables), encoding="utf-8")
+    write(tables)
+    (EVIDENCE / "performance.md").write_text(page(), encoding="utf-8")
     if "c172p" in tables:
-        page_of_cessna = performance_chart(tables["c172p"].drop(columns="seconds"))
+        page_of_cessna = performance_chart(tables["c172p"].drop(columns=["seconds", "commit"]))
         page_of_cessna.savefig(EVIDENCE.parent / "pictures" / "performance.png", dpi=84)
 
 

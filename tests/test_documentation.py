@@ -290,6 +290,29 @@ def test_generated_pages_are_current_and_made_by_one_command(monkeypatch):
     assert scripts - run == {f"docs/{name}.py" for name in others}
 
 
+def test_numbers_of_evidence_are_those_of_their_tables(monkeypatch):
+    # each page in words is made of the table beside it
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    generate = importlib.import_module("generate")
+    charts = importlib.import_module("performance_charts")
+    pages = {n: (generate.EVIDENCE / f"{n}.md").read_text(encoding="utf-8") for n in TABLES}
+    number = re.compile(r"jsbsim [\d.]+ brings")  # the jsbsim that is installed
+    assert number.sub("", generate.fleet_page()) == number.sub("", pages["fleet"])
+    assert f"-->\n{generate.modes_counts()}\n<!--" in pages["fleet-modes"]
+    assert charts.page() == pages["performance"]
+
+
+TABLES = ("fleet", "fleet-modes", "performance")
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_names_the_commits_that_made_it(name, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    rows = importlib.import_module("generate").read_table(name)
+    assert len(rows) > 40
+    assert [row for row in rows if not re.fullmatch("[0-9a-f]{9}", row["commit"])] == []
+
+
 @pytest.mark.long
 def test_formulas_of_the_site_need_no_script(monkeypatch):
     pytest.importorskip("sphinx")

@@ -1,10 +1,11 @@
-"""Pitch hold of a Cessna 172: from the trimmed 1.3 deg to 3 deg, and it stays there.
+"""Pitch hold of a Cessna 172: from its trim to the reference ``theta_ref``, where it stays.
 
-c172p at 5000 ft and 90 KCAS. ``PitchHold`` moves its reference to 3 deg and holds it with the
-elevator; the throttle stays where the trim left it.
+c172p at 5000 ft and 90 KCAS. ``PitchHold`` moves its reference from the trimmed pitch angle to
+``theta_ref`` and holds it with the elevator; the throttle stays where the trim left it.
 
-Expected: within 0.05 deg of 3 deg after 1.8 s and to the end, overshoot 0.025 deg; in 30 s the
-aircraft climbs 93 ft and slows down to 83 KCAS. Nose up takes a negative elevator command.
+Expected at ``theta_ref=3``: within 0.05 deg of it after 1.8 s and to the end, overshoot 0.025 deg;
+in 30 s the aircraft climbs 93 ft and slows down to 83 KCAS. Nose up takes a negative elevator
+command.
 
 Source: notebook 5 of the published JSBSim/PathSim notebooks. Its hold has the wrong sign (positive
 elevator is nose **down**) and too small a gain: it never holds 3 deg. The scope of its commands is

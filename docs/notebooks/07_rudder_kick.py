@@ -80,8 +80,8 @@ print(
 )
 
 # %% [markdown]
-# The published loop sums rounded time steps; the sum stays below its limit, and one step more is taken. Its commands end at
-# 1.0028 and 0.9226, its bank at 17.9 deg
+# The published loop adds 1/360 of each command per step. Rounding leaves the sum of 360 such increments just below its limit,
+# so one more is added: the commands end at 361/360, 1.0028 and 0.9226, the bank at 17.9 deg
 # ([what the published examples got wrong](../published-examples.md#what-the-published-examples-got-wrong)).
 #
 # ## The shorter way

@@ -64,4 +64,4 @@ for row in stalls.itertuples():
 
 # %% [markdown]
 # [Performance charts](../performance.md) defines each value. This is the end of the course; from here on
-# [a controller](../tutorial.md#a-controller-of-your-own) and [a study](../studies.md#a-study-of-your-own-aircraft) of your own.
+# [a controller](../tutorial.md#6-a-controller-of-your-own) and [a study](../studies.md#a-study-of-your-own-aircraft) of your own.

@@ -211,7 +211,7 @@ class DesignError(BlocksError, RuntimeError):
 
 
 class FlightError(BlocksError, RuntimeError):
-    """The flight cannot continue: an input or a state is not finite.
+    """The flight cannot continue: an input or a state is not finite, or the aircraft has crashed.
 
     Attributes
     ----------

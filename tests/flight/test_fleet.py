@@ -177,7 +177,7 @@ def test_the_page_is_up_to_date():
     page = (DOCS / "evidence" / "fleet.csv").read_text(encoding="utf-8")
     _, *rows = csv.reader(page.splitlines())
     assert [row[0] for row in rows] == aircraft_names()
-    for name, _, altitude, speed, *_, verdict in rows:
+    for name, _, altitude, speed, *_, verdict, _ in rows:
         if name in FLYING:
             # JSBSim's search does not find the Short_S23's at 5,000 ft
             expected = (5000, 130) if name == "Short_S23" else FLYING[name][:2]
@@ -189,3 +189,26 @@ def test_the_page_is_up_to_date():
             assert verdict.startswith("glides" if mode == "glide" else "trims")
         else:
             assert verdict in (f"no trim: {NOT_FLYING[name]}", "does not load")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("aircraft", ["737", "SGS", "L410"])
+def test_rows_of_the_table_are_those_of_the_code(aircraft, table):
+    (row,) = (row for row in evidence("fleet") if row["aircraft"] == aircraft)
+    (made,) = table.fleet_table([aircraft])
+    assert table.format_row(made) == f"| {' | '.join([*row.values()][:-1])} |"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("aircraft", ["c172p", "sgs126", "ah1s"])
+def test_modes_of_the_table_are_those_of_the_code(aircraft, monkeypatch):
+    monkeypatch.syspath_prepend(DOCS)
+    generate = importlib.import_module("generate")
+    (row,) = (row for row in evidence("fleet-modes") if row["aircraft"] == aircraft)
+    made = generate.modes_of(aircraft)
+    assert made == f"| {' | '.join([*row.values()][:-1])} |\n"
+
+
+def evidence(name):
+    with (DOCS / "evidence" / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
