@@ -25,7 +25,8 @@ FAST = (
         for name in ("gains", "laws", "pid", "response", "sensor_actuator")
     ),
     "guidance/test_laws_of_approaches.py",
-    *(f"design/test_{name}.py" for name in ("margins", "plant")),
+    "design/test_plant.py",
+    "linear/test_margins.py",
     *(f"flight/test_{name}.py" for name in ("aircraft", "contact", "fields", "limits", "points")),
     *(f"pathview/test_{name}.py" for name in ("convert", "layout", "unreadable")),
     *(f"test_{name}.py" for name in ("budgets", "conventions", "promises", "sources", "units")),

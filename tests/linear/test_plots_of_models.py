@@ -1,5 +1,8 @@
 """Figures of linear models: the right points and curves."""
 
+import dataclasses
+
+import control
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -9,6 +12,8 @@ from pathsim_jsbsim_blocks import Aircraft, ParameterError
 from pathsim_jsbsim_blocks.linear import (
     LinearModel,
     bode,
+    margins,
+    nyquist,
     pole_map,
     root_locus,
     step_response,
@@ -41,15 +46,52 @@ def test_a_pole_map_has_the_poles_and_names():
     assert {"Dutch roll", "roll", "spiral"} <= named
 
 
-def test_a_bode_diagram_is_that_of_a_lag_with_its_delay():
-    gain, phase = bode(lag(), "p", "aileron").axes
+def test_a_bode_diagram_is_that_of_a_sampled_lag():
+    figure = bode(lag())
+    gain, phase = figure.axes
+    # held over each sample, and a sample late
+    pole = np.exp(-2 / 120)
     omega, drawn = gain.lines[0].get_xydata().T
-    np.testing.assert_allclose(drawn, np.abs(2 / (0.5j * omega + 1)), rtol=1e-9)
-    omega, drawn = phase.lines[0].get_xydata().T
-    # one and a half samples of latency and hold
-    wanted = -np.degrees(np.arctan(0.5 * omega) + omega * 1.5 / 120)
-    np.testing.assert_allclose(drawn, wanted, atol=1e-6)
-    assert gain.get_ylabel() == "gain [deg/s/1]"
+    z = np.exp(1j * omega / 120)
+    response = 2 * (1 - pole) / (z - pole) / z
+    np.testing.assert_allclose(drawn, 20 * np.log10(np.abs(response)), rtol=1e-9)
+    assert omega[-1] <= np.pi * 120
+    _, drawn = phase.lines[0].get_xydata().T
+    np.testing.assert_allclose(drawn, np.degrees(np.unwrap(np.angle(response))), atol=1e-6)
+    assert gain.get_ylabel() == "gain [dB re 1 deg/s/norm]"
+    assert figure.get_suptitle() == "lag: aileron to p"
+
+
+def test_a_bode_diagram_of_several_names_them():
+    several = dataclasses.replace(
+        lag(), C=[[1.0], [0.5]], D=np.zeros((2, 1)), y0=[0.0, 0.0], outputs=("p", "phi"),
+        units={"p": "deg/s", "phi": "deg", "aileron": "norm"}, kinks=np.zeros((2, 1)), fit=np.zeros((2, 1)),
+    )  # fmt: skip
+    assert bode(several, "phi").get_suptitle() == "lag: aileron to phi"
+    with pytest.raises(ParameterError, match="p, phi") as refused:
+        bode(several)
+    assert refused.value.parameter == "output"
+
+
+@pytest.mark.parametrize("gain", [20.0, 50.0])
+def test_a_loops_bode_and_nyquist_diagrams_show_its_margins(gain):
+    # the second loop is unstable
+    loop = margins(lag(), control.ss([], [], [], [[-gain]]))
+    upper, lower = bode(loop).axes
+    (_, stem), (_, more) = ([*ax.lines[:2]] for ax in (upper, lower))
+    assert stem.get_ydata() == pytest.approx([0.0, -loop.gain_margin])
+    assert stem.get_xdata() == pytest.approx([loop.phase_crossover] * 2)
+    assert more.get_ydata() == pytest.approx([-180.0, loop.phase_margin - 180.0])
+    assert more.get_xdata() == pytest.approx([loop.crossover] * 2)
+    # the stems end on the curves
+    for ax, line in ((upper, stem), (lower, more)):
+        at = np.interp(line.get_xdata()[1], *ax.lines[2].get_xydata().T)
+        assert at == pytest.approx(line.get_ydata()[1], abs=0.5)
+    (ax,) = nyquist(loop).axes
+    # the disk touches the curve
+    disk = ax.patches[0].get_xy() @ [1, 1j]
+    nearest = np.abs(disk[:, None] - loop.response).min(axis=0).min()
+    assert nearest < 0.02
 
 
 def test_simulate_holds_and_delays():
@@ -88,6 +130,8 @@ def test_what_is_no_linear_model_is_refused():
 def test_an_unknown_name_is_refused():
     with pytest.raises(ParameterError, match="no 'ailern'; did you mean 'aileron'"):
         bode(lag(), "p", "ailern")
+    with pytest.raises(ParameterError, match=r"margins\(\)"):
+        nyquist(lag())
 
 
 def test_a_step_is_drawn_as_it_is_flown():

@@ -1,4 +1,4 @@
-"""The continuous equivalent of a sampled law about its operating point."""
+"""The linear equivalents of a sampled law about its operating point, sampled and continuous."""
 
 from __future__ import annotations
 
@@ -25,20 +25,15 @@ Ports = dict[str, int]
 Matrices = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
-def continuous_equivalent(law: Law, u: list[float], state: Any, T: float, name: str) -> Matrices:
-    """A, B, C, D of a law y[k], x[k+1] = f(u[k], x[k]), by Tustin's transformation.
+def sampled_equivalent(law: Law, u: list[float], state: Any, name: str) -> Matrices:
+    """A, B, C, D of a law y[k], x[k+1] = f(u[k], x[k]), as difference equations.
 
-    .. math::
-        s = \\frac{2}{T} \\frac{z - 1}{z + 1}
-
-    Up to a frequency omega gain and phase are those of the law within (omega T)^2 / 12. The hold
-    between samples is not part of it. Switches (inputs that act by being 0 or not) stay as they
-    are: they have no slope.
+    Switches (inputs that act by being 0 or not) stay as they are: they have no slope.
 
     Raises
     ------
     LinearizationError
-        if the law has no continuous equivalent
+        if the law has no linear equivalent
     """
     x, rebuild = _flat(state)
     for _ in range(_ENGAGING):
@@ -49,7 +44,7 @@ def continuous_equivalent(law: Law, u: list[float], state: Any, T: float, name: 
         # the state of a law that has just engaged is not complete
         state, x, rebuild = after, now, x_rebuild
     else:
-        raise LinearizationError(f"{name} has no continuous equivalent in this state")
+        raise _no_equivalent(name)
 
     def step(values: np.ndarray) -> np.ndarray:
         y, after = law(values[: len(u)].tolist(), rebuild(values[len(u) :].tolist()))
@@ -57,14 +52,33 @@ def continuous_equivalent(law: Law, u: list[float], state: Any, T: float, name: 
 
     here = np.array([*u, *x], dtype=float)
     jacobian = np.array([_slope(step, here, i) for i in range(len(here))]).T
+    if not np.all(np.isfinite(jacobian)):
+        raise _no_equivalent(name)
     p, m = len(step(here)) - len(x), len(u)
     C, D = jacobian[:p, m:], jacobian[:p, :m]
     A, B = jacobian[p:, m:], jacobian[p:, :m]
     kept = _that_matter(A, B, C)
-    A, B, C = A[np.ix_(kept, kept)], B[kept], C[:, kept]
-    one = np.eye(len(kept))
-    if not np.all(np.isfinite(jacobian)) or np.any(np.abs(np.linalg.eigvals(A + one)) < 1e-9):
-        raise LinearizationError(f"{name} has no continuous equivalent in this state")
+    return A[np.ix_(kept, kept)], B[kept], C[:, kept], D
+
+
+def continuous_equivalent(law: Law, u: list[float], state: Any, T: float, name: str) -> Matrices:
+    """A, B, C, D of a law's continuous equivalent, by Tustin's transformation.
+
+    .. math::
+        s = \\frac{2}{T} \\frac{z - 1}{z + 1}
+
+    Up to a frequency omega gain and phase are those of the law within (omega T)^2 / 12. The hold
+    between samples is not part of it.
+
+    Raises
+    ------
+    LinearizationError
+        if the law has no continuous equivalent
+    """
+    A, B, C, D = sampled_equivalent(law, u, state, name)
+    one = np.eye(len(A))
+    if np.any(np.abs(np.linalg.eigvals(A + one)) < 1e-9):
+        raise _no_equivalent(name)
     inverse = np.linalg.inv(one + A)
     return (
         2.0 / T * inverse @ (A - one),
@@ -72,6 +86,10 @@ def continuous_equivalent(law: Law, u: list[float], state: Any, T: float, name: 
         C,
         D - C @ inverse @ B,
     )
+
+
+def _no_equivalent(name: str) -> LinearizationError:
+    return LinearizationError(f"{name} has no continuous equivalent in this state")
 
 
 def at_limit(

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ..errors import BlocksError, DesignError, TrimError
+from ..errors import BlocksError, DesignError, MissingExtraError, TrimError
 from .arguments import (
     AIRCRAFT,
     CONDITION,
@@ -32,6 +32,7 @@ from .saving import check_file, saving_figures
 if TYPE_CHECKING:
     from ..design import DesignedGains
     from ..flight.airframe import Airframe
+    from ..linear import LinearModel
 
 
 @command(
@@ -159,7 +160,7 @@ def trim(args: argparse.Namespace) -> None:
 
 
 @command(
-    "natural modes about a trim, and flying qualities by MIL-F-8785C",
+    "natural modes about a trim, flying qualities by MIL-F-8785C, margins of the holds",
     AIRCRAFT,
     option("--method", "flown (default): from small pulses; algebraic: rigid", default="flown"),
     option("--class", "I, II-L (default: medium, land-based), II-C, III, IV", default="II-L"),
@@ -197,6 +198,7 @@ def _print_modes(args: argparse.Namespace) -> None:
         level = f"level {quality.level}" if quality.level < 4 else "worse than level 3"
         value = "stable" if math.isinf(quality.value) else f"{quality.value:.3f} {quality.unit}"
         print(f"  {quality.name:<35} {value:<20} {level} ({quality.paragraph})")
+    _print_margins(model)
     if args.json is not None:
         model.save(args.json)
         print(f"model saved: {args.json}")
@@ -207,10 +209,33 @@ def _print_modes(args: argparse.Namespace) -> None:
         show(pole_map(model, title=f"{args.aircraft}: {condition}"), "")
 
 
+def _print_margins(model: LinearModel) -> None:
+    """Margins of the holds with the gain table of the aircraft, where there is one."""
+    from ..control.gain_tables import table, tables
+    from ..control.holds import AirspeedHold, HeadingHold, PitchHold, RollHold
+    from ..linear import margins
+
+    name = model.aircraft
+    if name not in tables():
+        return
+    pitch = PitchHold(name, T=model.dt)
+    loops = [(pitch,), *((hold(name, T=model.dt),) for hold in (RollHold, HeadingHold))]
+    if table(name).points[0].gains.speed:
+        loops.append((AirspeedHold(name, T=model.dt), pitch))
+    print(f"  margins with the gains of {name!r}")
+    try:
+        for loop in loops:
+            print(f"  {margins(model, *loop)}")
+    except MissingExtraError as error:
+        print(f"  {error}")
+
+
 @command(
     "design gains of the autopilot for an aircraft, and report how good they are",
     AIRCRAFT,
-    number("--altitude", "ft, one or several (default: docs/evidence/fleet.md)", nargs="+"),
+    number(
+        "--altitude", "ft, one or several (default: of the level flight that is found)", nargs="+"
+    ),
     number("--speed", "KCAS, one or several (default likewise)", nargs="+"),
     number("--gear", "0 up to 1 down (default: up where it retracts)"),
     number("--flaps", "0 to 1"),

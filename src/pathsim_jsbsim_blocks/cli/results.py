@@ -70,7 +70,7 @@ def study(args: argparse.Namespace) -> None:
 
 
 @command(
-    "what an aircraft can do: stall, level flight, climb, glide, range, turns, ceilings, V-n",
+    "performance: stall, level flight, climb, glide, range, turns, ceilings, V-n; about a minute",
     AIRCRAFT,
     number("--altitude", "ft, one or several", nargs="+"),
     number("--weight", "lb, one or several", nargs="+"),

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .._core.checks import as_path, did_you_mean, ending, nearest, one_of, refuse
+from .._core.checks import as_path, did_you_mean, ending, nearest, refuse
 from .._core.files import write_whole
 from ..errors import FileError, ParameterError
 from .airspeeds import true_airspeed
@@ -105,7 +105,13 @@ def table(name: str) -> GainSchedule:
     """
     if name.lower().endswith(".json"):
         return read_gains(name)
-    return read_gains(TABLES / f"{one_of('gains', name, tables())}.json")
+    names = tables()
+    if name not in names:
+        close = did_you_mean(nearest(name, names, 1))
+        why = f"there is no gain table {name!r}{close or '.'} Gains of any aircraft come from "
+        why += "design.design_gains, or from a file that ends in .json; tables: "
+        refuse("gains", name, f"{why}{', '.join(names)}")
+    return read_gains(TABLES / f"{name}.json")
 
 
 def read_gains(path: str | Path) -> GainSchedule:

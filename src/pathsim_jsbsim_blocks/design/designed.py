@@ -93,7 +93,14 @@ class DesignedGains(AircraftGains):
         )
 
     def __str__(self) -> str:
-        return f"{self.aircraft}: {self.condition}\n{report_table(self.report)}"
+        return f"{self.aircraft}: {self.condition}\n{report_table(self.report)}\n{COLUMNS}"
+
+
+# what the report's columns are
+COLUMNS = """\
+rad/s, dB, deg: crossover, gain and phase margin; Ms: peak of the sensitivity, +50 ms: with that delay
+settles, over: a step's settling time and overshoot in its unit, predicted; flown: on the aircraft
+use: share of the control's remaining travel that the step takes; relaxed: requirements not met"""
 
 
 def report_table(report: tuple[LoopReport, ...]) -> str:

@@ -14,8 +14,8 @@ from scipy.signal import fftconvolve
 
 from .._core.units import GRAVITY
 from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
+from ..linear.stability import LoopMargins, loop_margins
 from . import requirements as req
-from .margins import Margins, margins
 from .plant import OMEGA, Law, Plant, integral
 from .requirements import MARGINS, STEP_REQUIREMENTS, requirement_met
 from .search import (
@@ -70,7 +70,7 @@ def design_yaw(plant: Plant, room: float) -> YawGains:
     sign = np.sign(yaw_law(K=1.0).of(g, plant.T)[k].real)
     K = sign * _YAW_SHARES / np.abs(g["r"][k])
     K = K[np.abs(K) * req.YAW_RATE <= req.RUDDER_USE * room]
-    level = requirement_met(margins(OMEGA, yaw_law(K[:, None]).of(g, plant.T)))
+    level = requirement_met(loop_margins(OMEGA, yaw_law(K[:, None]).of(g, plant.T)))
     most = bare[1] + 0.02
     for gain in K[level == 0]:
         gains = YawGains(K=float(gain))
@@ -145,7 +145,7 @@ def design_rudder(
         + 0.5 * used
         + near.cost("yaw", K=K, Kp=P, Ki=Ki)
     )
-    level = requirement_met(margins(OMEGA, L))
+    level = requirement_met(loop_margins(OMEGA, L))
     score = np.where(level < len(MARGINS), score + 10.0 * level, np.inf)
     chosen = damper
     for i in np.argsort(score)[:30]:
@@ -236,10 +236,10 @@ def _least_peak(beta: np.ndarray, effect: np.ndarray, cost: np.ndarray) -> np.nd
     return np.zeros(m) if found.x is None else found.x[:m] - found.x[m : 2 * m]
 
 
-def _of_rudder(plant: Plant, gains: YawGains) -> Margins:
+def _of_rudder(plant: Plant, gains: YawGains) -> LoopMargins:
     """Margins of the rudder's loops, broken at the rudder."""
     L = yaw_law(**vars(gains)).of(plant.response(OMEGA, "rudder"), plant.T)
-    return margins(OMEGA, L[None])
+    return loop_margins(OMEGA, L[None])
 
 
 _HEADING_SHARES = np.geomspace(0.25, 1.6, 14)
@@ -261,7 +261,7 @@ def design_heading(
     turn = GRAVITY / vt  # psi-dot per phi, 1/s
     (Kp,) = near.joined("heading", Kp=min(0.25, 0.7 / settling) / turn * _HEADING_SHARES)
     Kp = np.clip(Kp, 0.3, 6.0)
-    found = margins(OMEGA, Kp[:, None] * plant.response(OMEGA, "phi_cmd")["psi"])
+    found = loop_margins(OMEGA, Kp[:, None] * plant.response(OMEGA, "phi_cmd")["psi"])
     level = requirement_met(found)
     p, required = plant.slower(_COARSE), STEP_REQUIREMENTS["heading"]
     cmd = np.zeros(len(Kp))
@@ -346,7 +346,7 @@ def _speed_candidates(
     stops: float,
     near: Neighbours,
     shares: np.ndarray,
-) -> tuple[np.ndarray, Margins, Rough, np.ndarray]:
+) -> tuple[np.ndarray, LoopMargins, Rough, np.ndarray]:
     """Kp, Ki, Kd and Kc, of Kp some shares of the throttle for an error of 12 kt; their cost."""
     travel = min(-room[0], room[1])
     share, time = grid(shares, _SPEED_TIMES)
@@ -354,7 +354,7 @@ def _speed_candidates(
     Kp, Ki = near.joined("speed", Kp=Kp, Ki=Kp / time)
     gains = np.array([Kp, Ki, -Kp * SpeedGains.Tf, np.full_like(Kp, Kc)])
     L, moves = moved(plant, speed_law(plant.T, *gains[:, :, None]), "throttle")
-    found, none = margins(OMEGA, L), np.zeros(len(Kp))
+    found, none = loop_margins(OMEGA, L), np.zeros(len(Kp))
     rough = Rough(none, none, at_a_stop(moves["throttle"], room))
     cost = (
         60.0 * requirement_met(found)
@@ -370,7 +370,7 @@ def _best_speed(
     room: tuple[float, float],
     step: float,
     band: float,
-    candidates: tuple[np.ndarray, Margins, Rough, np.ndarray],
+    candidates: tuple[np.ndarray, LoopMargins, Rough, np.ndarray],
 ) -> tuple[SpeedGains, LoopReport]:
     """The best of some candidates, with the best weight and ramp of the reference."""
     gains, found, rough, cost = candidates
@@ -474,7 +474,7 @@ def _altitude_candidates(plant: Plant, near: Neighbours) -> np.ndarray:
     good = (Ki >= 0.0) & np.isfinite(Ki)
     Kp, Ki = Kp[good], Ki[good]
     climb = Law({"hdot": (Kp[:, None], Ki[:, None])})
-    wc = margins(OMEGA, climb.of({"hdot": g}, plant.T)).crossover
+    wc = loop_margins(OMEGA, climb.of({"hdot": g}, plant.T)).crossover
     k, r = grid(np.arange(len(Kp)), _CLIMB_RATIOS)
     return np.array(near.joined("altitude", Kp=Kp[k], Ki=Ki[k], Kh=np.minimum(wc[k] / r, 0.3)))
 
@@ -496,7 +496,7 @@ def design_altitude(
     Kp, Ki, Kh = gains
     L, moves = moved(plant, altitude_law(*gains[:, :, None]), "theta_cmd", "h", "theta", "throttle")
     rough = Rough(moves["h"], moves["theta"], at_a_stop(moves["throttle"], room))
-    found = margins(OMEGA, L)
+    found = loop_margins(OMEGA, L)
     level = requirement_met(found)
     soonest = _SOONEST * required.size / hdot_max
     cost = 30.0 * level + 6.0 * found.crossover + rough.cost(stops)

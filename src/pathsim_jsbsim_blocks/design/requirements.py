@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .margins import Margins
+from ..linear.stability import LoopMargins
 
 
 class MarginRequirement(NamedTuple):
@@ -33,7 +33,7 @@ MARGINS = (
 )
 
 
-def requirement_met(m: Margins) -> np.ndarray:
+def requirement_met(m: LoopMargins) -> np.ndarray:
     """Number of the first of `MARGINS` that each loop meets; their count where it meets none."""
     met = [
         (m.Ms <= r.Ms) & (m.Ms_delayed <= r.Ms_delayed) & (m.gain >= r.gain) & (m.phase >= r.phase)

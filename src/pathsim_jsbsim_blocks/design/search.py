@@ -11,7 +11,7 @@ import numpy as np
 
 from ..control.gains import AircraftGains, AttitudeGains
 from ..control.loops import BEYOND
-from .margins import Margins, margins
+from ..linear.stability import LoopMargins, loop_margins
 from .plant import OMEGA, Law, Plant, integral
 from .requirements import (
     CHANGE_AIM,
@@ -77,7 +77,7 @@ class LoopReport:
     late: float = math.nan
 
 
-def margins_of(m: Margins, k: int) -> dict[str, Any]:
+def margins_of(m: LoopMargins, k: int) -> dict[str, Any]:
     """The margins of one loop, by their names in its report."""
     names = ("crossover", "gain_margin", "phase_margin", "Ms", "Ms_delayed")
     return {name: float(x[k]) for name, x in zip(names, vars(m).values(), strict=True)}
@@ -85,7 +85,7 @@ def margins_of(m: Margins, k: int) -> dict[str, Any]:
 
 def reported(
     loop: str,
-    found: Margins,
+    found: LoopMargins,
     j: int,
     step: StepRequirement,
     settling: float,
@@ -224,7 +224,7 @@ def design_attitude(
     g, required = plant.response(OMEGA, loop.input), loop.required
     own = _shaped(loop.sign * g[loop.output], loop.sign * g[loop.rate], plant.T)
     gains = np.array(near.joined(loop.name, Kp=own[0], Ki=own[1], Kr=own[2]))
-    found = margins(OMEGA, loop.law(*gains[:, :, None]).of(g, plant.T))
+    found = loop_margins(OMEGA, loop.law(*gains[:, :, None]).of(g, plant.T))
     level = requirement_met(found)
     # rate feedback alone may cross again above the highest crossover
     level[found.crossover > 1.6 * _CROSSOVERS[-1]] = len(MARGINS)
@@ -266,7 +266,7 @@ def _shaped(G: np.ndarray, R: np.ndarray, T: float) -> tuple[np.ndarray, np.ndar
     return Kp[once], Ki[once], Kr[once]
 
 
-def _spread(pick: np.ndarray, m: Margins) -> np.ndarray:
+def _spread(pick: np.ndarray, m: LoopMargins) -> np.ndarray:
     """At most `_FLOWN` candidates over all crossovers, the fast ones more densely."""
     if len(pick) <= _FLOWN:
         return pick

@@ -1,16 +1,20 @@
-"""Linear models of a trimmed aircraft: matrices with names, modes, flying qualities, figures."""
+"""Linear models of a trimmed aircraft: names, modes, flying qualities, margins, figures."""
 
-from .charts import bode, pole_map, root_locus, step_response
+from .charts import bode, nyquist, pole_map, root_locus, step_response
 from .model import LinearModel
 from .modes import Mode
 from .qualities import Quality, flying_qualities
+from .stability import Margins, margins
 
 __all__ = [
     "LinearModel",
+    "Margins",
     "Mode",
     "Quality",
     "bode",
     "flying_qualities",
+    "margins",
+    "nyquist",
     "pole_map",
     "root_locus",
     "step_response",

@@ -1,4 +1,4 @@
-"""Figures of linear models: poles, steps beside the aircraft, root loci, Bode diagrams.
+"""Figures of linear models: poles, steps beside the aircraft, root loci, Bode and Nyquist diagrams.
 
 Each returns a matplotlib Figure; `plots.show` shows it.
 """
@@ -11,11 +11,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.ticker import MultipleLocator
 
 from .._core.checks import finite, number, positive, refuse
 from ..plots import axis_label, readable, subplots
 from .model import LinearModel
 from .modes import Mode
+from .stability import Margins
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -137,8 +139,8 @@ def step_response(
     readable(ax, np.concatenate([linear, nonlinear]))
     ax.grid(alpha=0.4)
     ax.legend()
-    unit = part.units[input].replace("norm", "of full travel")
-    figure.suptitle(title or f"{model.aircraft}: step of {amplitude:g} {unit} on {input}")
+    step = f"step of {amplitude:g} {part.units[input]}"
+    figure.suptitle(title or f"{model.aircraft}: {input} to {output}, {step}")
     return figure
 
 
@@ -178,33 +180,118 @@ def root_locus(
     return figure
 
 
-def bode(model: LinearModel, output: str, input: str, title: str = "") -> Figure:
-    """Gain and phase from one input of a linear model to one output, its latency included.
+def bode(
+    model: LinearModel | Margins,
+    output: str | None = None,
+    input: str | None = None,
+    title: str = "",
+) -> Figure:
+    """Bode diagram: gain in dB and phase in deg over the frequency in rad/s, sampled as flown.
+
+    A loop's has its margins marked.
 
     Parameters
     ----------
-    model : LinearModel
-    output, input : str
-        names
+    model : LinearModel or Margins
+        of an aircraft, or a loop of `margins`
+    output, input : str, optional
+        names, where the model has several
+    title : str
+        headline; default is what it shows, such as "c172p: elevator to theta"
+
+    Raises
+    ------
+    ParameterError
+        for what is neither; for a name that the model does not have, naming the nearest; without a
+        name where there are several, naming them
+    """
+    figure, (gain, phase) = subplots(2, 1, sharex=True, figsize=(8, 6), layout="constrained")
+    if isinstance(model, Margins):
+        omega, response, unit, label = model.omega, model.response, "dB", model.loop
+        angle = _mark_margins(model, gain, phase)
+    else:
+        part = _one_path(_checked(model), output, input)
+        (y,), (u,) = part.outputs, part.inputs
+        label = f"{part.aircraft}: {u} to {y}"
+        unit = f"dB re 1 {'/'.join(filter(None, (part.units[y], part.units[u])))}"
+        rates = [mode.frequency for mode in part.modes() if mode.frequency > 1e-4]
+        # up to where the response of a sampled system ends
+        high = min(10 * max(rates, default=10.0), math.pi / part.dt)
+        omega = np.geomspace(min([0.1 * high, *(0.1 * rate for rate in rates)]), high, 600)
+        response = part.frequency_response(omega)[:, 0, 0]
+        angle = np.degrees(np.unwrap(np.angle(response)))
+    gain.semilogx(omega, 20 * np.log10(np.abs(response)))
+    phase.semilogx(omega, angle)
+    gain.set_ylabel(f"gain [{unit}]")
+    phase.set(ylabel="phase [deg]", xlabel="frequency [rad/s]")
+    phase.yaxis.set_major_locator(MultipleLocator(90.0 if np.ptp(angle) > 270.0 else 45.0))
+    for ax in (gain, phase):
+        ax.grid(alpha=0.4, which="both")
+    figure.suptitle(title or label)
+    return figure
+
+
+def _one_path(model: LinearModel, output: str | None, input: str | None) -> LinearModel:
+    """The model from one input to one output."""
+    chosen = {}
+    for side, name in (("inputs", input), ("outputs", output)):
+        names = getattr(model, side)
+        if name is None and len(names) != 1:
+            refuse(side[:-1], None, f"name one of the model's {side}: {', '.join(names) or 'none'}")
+        chosen[side] = [names[0] if name is None else name]
+    return model.select(**chosen)
+
+
+def _mark_margins(loop: Margins, gain: Axes, phase: Axes) -> np.ndarray:
+    """Mark a loop's margins; its phase in deg, so that the phase margin is above -180."""
+    angle = np.degrees(np.unwrap(np.angle(loop.response)))
+    if math.isfinite(loop.phase_margin):
+        at = float(np.interp(loop.crossover, loop.omega, angle))
+        angle += round((loop.phase_margin - 180.0 - at) / 360.0) * 360.0
+    for ax, level, x, margin, text, away in (
+        (gain, 0.0, loop.phase_crossover, loop.gain_margin, "gain margin {:.1f} dB", -1.0),
+        (phase, -180.0, loop.crossover, loop.phase_margin, "phase margin {:.1f} deg", 1.0),
+    ):
+        ax.axhline(level, color="0.3", linewidth=0.8)
+        if math.isfinite(margin):
+            ax.plot([x, x], [level, level + away * margin], "o-", color="C1", markersize=4)
+            ax.set_title(f"{text.format(margin)} at {x:.3g} rad/s", fontsize="small", loc="right")
+    return angle
+
+
+def nyquist(loop: Margins, title: str = "") -> Figure:
+    """Nyquist diagram of a loop, with the point -1, the unit circle and the disk of its margin.
+
+    Parameters
+    ----------
+    loop : Margins
+        of `margins`; dashed at negative frequencies
     title : str
         headline; default is what it shows
 
     Raises
     ------
     ParameterError
-        for what is not a linear model; for a name that it does not have, naming the nearest
+        for what is not a loop of `margins`
     """
-    part = _checked(model).select([input], [output])
-    rates = [mode.frequency for mode in part.modes() if mode.frequency > 1e-4]
-    omega = np.geomspace(0.1 * min(rates, default=1e-2), 10 * max(rates, default=1e2), 600)
-    response = part.frequency_response(omega)[:, 0, 0]
-    figure, (gain, phase) = subplots(2, 1, sharex=True, figsize=(8, 6), layout="constrained")
-    gain.loglog(omega, np.abs(response))
-    unit = "/".join(filter(None, (part.units[output], part.units[input].replace("norm", "1"))))
-    gain.set_ylabel(f"gain [{unit}]")
-    phase.semilogx(omega, np.degrees(np.unwrap(np.angle(response))))
-    phase.set(ylabel="phase [deg]", xlabel="frequency [rad/s]")
-    for ax in (gain, phase):
-        ax.grid(alpha=0.4, which="both")
-    figure.suptitle(title or f"{model.aircraft}: {output} to {input}")
+    if not isinstance(loop, Margins):
+        refuse("loop", loop, f"a loop of margins() is needed, not {reprlib.repr(loop)}")
+    figure, ax = subplots(figsize=(7, 6), layout="constrained")
+    x, y, alpha = loop.response.real, loop.response.imag, loop.disk_margin
+    ax.plot(x, y, label="L")
+    ax.plot(x, -y, "--", color="C0")
+    around = np.exp(1j * np.linspace(0.0, 2 * np.pi, 200))
+    ax.plot(around.real, around.imag, ":", color="0.4", linewidth=0.9)
+    if alpha < 2.0:
+        near, far = (2 - alpha) / (2 + alpha), (2 + alpha) / (2 - alpha)
+        disk = -(near + far) / 2 + (far - near) / 2 * around
+        ax.fill(disk.real, disk.imag, color="C1", alpha=0.3, label=f"disk margin {alpha:.2f}")
+    ax.plot(-1.0, 0.0, "+", color="C3", markersize=12)
+    ax.axhline(0.0, color="0.3", linewidth=0.8)
+    ax.axvline(0.0, color="0.3", linewidth=0.8)
+    ax.set(xlim=(-3.5, 1.5), ylim=(-2.5, 2.5), aspect="equal", xlabel="real part")
+    ax.set_ylabel("imaginary part")
+    ax.grid(alpha=0.4)
+    ax.legend()
+    figure.suptitle(title or loop.loop)
     return figure

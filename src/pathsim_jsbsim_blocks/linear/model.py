@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.linalg import expm
 
 from .._core.checks import (
     as_path,
@@ -218,7 +219,14 @@ class LinearModel:
         return self.y0 + respond(self, u - self.u0, self.dt).sum(axis=0)
 
     def frequency_response(self, omega: Any) -> np.ndarray:
-        """Frequency response, with the latency and the hold as a delay of `delay` s.
+        """Frequency response of the sampled aircraft: inputs held over each period, and late.
+
+        .. math::
+            z^{-k} \\left(C (z I - \\Phi)^{-1} \\Gamma + D\\right), \\quad z = e^{j \\omega T}
+
+        with the latency k and the matrices Phi and Gamma over one period T: hold, sampling and
+        latency are exact, up to pi / T, where the response of a sampled system ends. Well below
+        that it is the continuous one with a delay of `delay` s.
 
         Parameters
         ----------
@@ -234,12 +242,17 @@ class LinearModel:
         ParameterError
             if omega is not a list of numbers, or a pole lies at one of them (0 for an integrator)
         """
-        s = 1j * np.asarray(omega, dtype=float)
+        n, m = self.B.shape
+        both = np.zeros((n + m, n + m))
+        both[:n] = np.hstack([self.A, self.B])
+        both = expm(both * self.dt)
+        z = np.exp(1j * self.dt * np.asarray(omega, dtype=float))
         try:
-            states = np.linalg.solve(s[:, None, None] * np.eye(len(self.A)) - self.A, self.B)
+            z = z[:, None, None]
+            states = np.linalg.solve(z * np.eye(n) - both[:n, :n], both[:n, n:])
         except (IndexError, np.linalg.LinAlgError):
             must_be("omega", omega, "a list of frequencies at which no pole lies")
-        return (self.C @ states + self.D) * np.exp(-s[:, None, None] * self.delay)
+        return (self.C @ states + self.D) * z**-self.latency
 
     def with_lags(self, tau: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """A, B, C, D with a first-order lag of ``tau`` s on each input, in place of a delay.

@@ -1,0 +1,348 @@
+"""Stability margins: of the loop of a law around an aircraft, and of many loops in a search."""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .._core.checks import refuse
+from .._core.continuous import sampled_equivalent
+from .._core.extras import required
+from .._core.pathsim_internals import port_names, values
+from .._core.sampling import SampledLaw
+from ..flight.block import FlightBlock
+from .model import LinearModel, find
+
+# the reference that a cascaded hold gives its inner loop, and what the inner loop measures
+_INNER = {"theta_cmd": ("theta", "q"), "phi_cmd": ("phi", "p")}
+
+_SETTLED = 5.0  # s at the trim after which a hold's references have come to rest
+
+_SLOWEST, _COUNT = 1e-3, 2000  # rad/s, frequencies at which a loop is evaluated
+
+EXTRA_DELAY = 0.05  # s
+
+
+@dataclass(frozen=True, eq=False)
+class Margins:
+    """Stability margins of a loop L with negative feedback, and its frequency response.
+
+    Attributes
+    ----------
+    loop : str
+        what the loop is, where it is broken, and what is closed within it
+    gain_margin : float
+        factor in dB that makes the loop unstable, the one nearest to 0: positive by more gain,
+        negative by less; infinite without a phase crossover
+    phase_crossover : float
+        rad/s, where the phase is an odd multiple of 180 deg; NaN without one
+    phase_margin : float
+        deg, the smallest; infinite without a crossover
+    crossover : float
+        rad/s, where the gain is 1 and the phase margin is measured; NaN without one
+    delay_margin : float
+        further delay in s that makes the loop unstable; infinite without a crossover
+    disk_margin : float
+        largest alpha with ``|S - 1/2| < 1 / alpha``, S = 1 / (1 + L), for changes of gain and phase
+        at the same time (balanced, skew 0); at most 2
+    Ms : float
+        largest sensitivity ``|S|``
+    omega : array, shape (k,)
+        rad/s
+    response : complex array, shape (k,)
+        L at these frequencies
+    """
+
+    loop: str
+    gain_margin: float
+    phase_crossover: float
+    phase_margin: float
+    crossover: float
+    delay_margin: float
+    disk_margin: float
+    Ms: float
+    omega: np.ndarray
+    response: np.ndarray
+
+    @property
+    def disk_gain_margin(self) -> float:
+        """Gain in dB that the disk allows, up and down."""
+        alpha = self.disk_margin
+        return 20 * math.log10((2 + alpha) / (2 - alpha)) if alpha < 2 else math.inf
+
+    @property
+    def disk_phase_margin(self) -> float:
+        """Phase in deg that the disk allows, to both sides."""
+        return 2 * math.degrees(math.atan(self.disk_margin / 2))
+
+    def __str__(self) -> str:
+        gain = f"{self.gain_margin:.1f} dB"
+        if math.isfinite(self.gain_margin):
+            gain += f" at {self.phase_crossover:.3g} rad/s"
+        phase = f"{self.phase_margin:.1f} deg"
+        if math.isfinite(self.phase_margin):
+            phase += f" at {self.crossover:.3g} rad/s"
+        disk = f"{self.disk_gain_margin:.1f} dB, {self.disk_phase_margin:.0f} deg"
+        return (
+            f"{self.loop}: gain margin {gain}, phase margin {phase}, "
+            f"delay margin {self.delay_margin:.3g} s, disk margin {self.disk_margin:.2f} ({disk})"
+        )
+
+
+def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
+    """Stability margins of a loop, with its sampling, hold and latency exactly.
+
+    The loop of a law is broken at its command: a hold's at the actuator's command, all that it
+    measures being fed back through that. A hold with an inner loop (heading, course, altitude,
+    climb) is broken at its command to that, ``phi_cmd`` or ``theta_cmd``, with the inner loop
+    closed. Loops of other laws are open, unless they are in ``closed``.
+
+    Parameters
+    ----------
+    plant : Aircraft, JSBSimFDM, LinearModel or python-control system
+        the aircraft, whose flown model is made (0.5 s), or its model; without a law a loop L with
+        negative feedback, such as a ``FrequencyResponseData`` or a transfer function
+    law : hold, SampledLaw or python-control system
+        as it is wired, u = law y: a negative feedback has its minus in it. Of a block, every port
+        with the name of an output is connected, or in a diagram those that are; it is engaged at
+        the trim. The labels of a python-control system are names of outputs and of an input of
+        the model; a discrete one has the sample period of the model
+    *closed : hold, SampledLaw or python-control system
+        laws whose loops are closed
+
+    Returns
+    -------
+    Margins
+
+    Raises
+    ------
+    MissingExtraError
+        if python-control (extra ``analysis``) is not installed
+    ParameterError
+        for a law that measures what the model does not show, naming the nearest, that moves more
+        than one command, or has another sample period
+    LinearisationError, LinearizationError
+        where the aircraft or the law has no linear model
+
+    References
+    ----------
+    Seiler, Packard, Gahinet: "An Introduction to Disk Margins", IEEE Control Systems Magazine
+    40(5), 2020.
+
+    Examples
+    --------
+    >>> print(margins(Aircraft("c172p", altitude=5000, speed=90), PitchHold("c172p")))
+    PitchHold of c172p, broken at elevator: gain margin ...
+    """
+    if law is None:
+        return _of_response(plant)
+    model = plant.linear_model() if isinstance(plant, FlightBlock) else plant
+    if not isinstance(model, LinearModel):
+        why = f"plant must be an aircraft or its LinearModel, not {reprlib.repr(plant)}"
+        refuse("plant", plant, why)
+    outer = _connected("law", law, model)
+    if len(outer.commands) > 1:
+        why = f"{outer.name} moves {', '.join(outer.commands)}: a loop has one command"
+        refuse("law", law, why)
+    inner = [_connected("closed", each, model) for each in closed]
+    at = outer.commands[0]
+    reference = next((x for x in _INNER if x in outer.references), "")
+    rest = _INNER.get(reference, ())
+    if rest and set(rest) < set(outer.held):
+        outer, attitude = outer.parted(rest)
+        at, inner = reference, [attitude, *inner]
+
+    end = math.pi / model.dt
+    omega = np.geomspace(_SLOWEST, 0.9995 * end, _COUNT)
+    if all(each.sampled for each in (outer, *inner)):
+        # the phase of a sampled loop turns at pi / T
+        omega = np.append(omega, 1.0005 * end)
+    name = f"{outer.name} of {model.aircraft}, broken at {at}"
+    if inner:
+        name += f", closed: {', '.join(each.name for each in inner)}"
+    return _margins(name, omega, _loop(model, outer, inner, omega))
+
+
+def _loop(
+    model: LinearModel, outer: _Connected, inner: Sequence[_Connected], omega: np.ndarray
+) -> np.ndarray:
+    """L of a law around the aircraft, with the inner loops closed."""
+    laws = [outer, *inner]
+    inputs = list(dict.fromkeys(x for each in laws for x in each.commands))
+    outputs = list(dict.fromkeys(x for each in laws for x in each.measured))
+    aircraft = model.select(inputs, outputs).frequency_response(omega)
+
+    def widened(law: _Connected) -> np.ndarray:
+        wide = np.zeros((len(omega), len(inputs), len(outputs)), dtype=complex)
+        rows, columns = find("", inputs, law.commands), find("", outputs, law.measured)
+        wide[np.ix_(range(len(omega)), rows, columns)] = law.response(omega)
+        return wide
+
+    feedback = sum((widened(each) for each in inner), np.zeros((1, len(inputs), len(outputs))))
+    command = aircraft[:, :, [inputs.index(outer.commands[0])]]
+    moved = np.linalg.solve(np.eye(len(outputs)) - aircraft @ feedback, command)
+    return -(widened(outer) @ moved)[:, inputs.index(outer.commands[0]), 0]
+
+
+class _Connected(NamedTuple):
+    """A law on the outputs and inputs of a model."""
+
+    name: str
+    measured: Sequence[str]  # outputs of the model
+    commands: Sequence[str]  # inputs of the model
+    held: Sequence[str]  # what the law cannot do without
+    references: Sequence[str]  # its further outputs
+    response: Any  # frequency response at omega, shape (k, commands, measured)
+    sampled: bool = True
+
+    def parted(self, rest: Sequence[str]) -> tuple[_Connected, _Connected]:
+        """The law's feedback of all but the rest, and of that."""
+        own = [i for i, x in enumerate(self.measured) if x not in rest]
+        others = [self.measured.index(x) for x in rest]
+        return (
+            self._replace(
+                measured=[self.measured[i] for i in own],
+                response=lambda omega: self.response(omega)[:, :, own],
+            ),
+            self._replace(
+                name=" and ".join(rest),
+                measured=rest,
+                response=lambda omega: self.response(omega)[:, :, others],
+            ),
+        )
+
+
+def _connected(parameter: str, law: Any, model: LinearModel) -> _Connected:
+    if isinstance(law, SampledLaw):
+        return _block(parameter, law, model)
+    control = required("control", "analysis", name="python-control")
+    if not isinstance(law, (control.StateSpace, control.TransferFunction)):
+        why = f"{parameter} must be a hold, a sampled law or a python-control system, not"
+        refuse(parameter, law, f"{why} {reprlib.repr(law)}")
+    measured, commands = law.input_labels, law.output_labels
+    if law.issiso() and len(model.inputs) == len(model.outputs) == 1:
+        measured, commands = model.outputs, model.inputs
+    find(parameter, model.outputs, measured)
+    find(parameter, model.inputs, commands)
+    sampled = law.isdtime(strict=True)
+    if sampled and law.dt is not True:
+        _same_period(parameter, law, law.dt, model)
+
+    def response(omega: np.ndarray) -> np.ndarray:
+        at = 1j * omega
+        return np.moveaxis(law(np.exp(at * model.dt) if sampled else at, squeeze=False), -1, 0)
+
+    static = isinstance(law, control.StateSpace) and not law.nstates
+    return _Connected(law.name, measured, commands, (), (), response, sampled or static)
+
+
+def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
+    _same_period(parameter, law, law.clock.period, model)
+    ports, outputs = port_names(law.inputs), port_names(law.outputs)
+    wired = law.inputs.wired or set(ports)
+    find(parameter, model.outputs, law.measured)
+    measured = [x for x in ports if x in wired and x in model.outputs]
+    commands = [x for x in law.commands or outputs if x in outputs]
+    find(parameter, model.inputs, commands)
+    if not measured:
+        why = f"no port of {type(law).__name__} has the name of an output of the model"
+        refuse(parameter, law, f"{why}: {', '.join(ports)}; give it as a python-control system")
+    u, state = [0.0] * len(values(law.inputs)), law.initial_state()
+    for x in measured:
+        u[ports[x]] = float(model.y0[model.outputs.index(x)])
+    for _ in range(round(_SETTLED / model.dt)):
+        _, state = law.law(u, state)
+    A, B, C, D = sampled_equivalent(law.law, u, state, type(law).__name__)
+    rows, columns = [outputs[x] for x in commands], [ports[x] for x in measured]
+    B, C, D = B[:, columns], C[rows], D[np.ix_(rows, columns)]
+
+    def response(omega: np.ndarray) -> np.ndarray:
+        z = np.exp(1j * omega * model.dt)[:, None, None]
+        return C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D
+
+    references = [x for x in outputs if x not in commands]
+    return _Connected(type(law).__name__, measured, commands, law.measured, references, response)
+
+
+def _same_period(parameter: str, law: Any, T: float, model: LinearModel) -> None:
+    if not math.isclose(T, model.dt, rel_tol=1e-9):
+        why = f"the law is sampled every {T:.6g} s, the aircraft every {model.dt:.6g} s"
+        refuse(parameter, law, f"{why}: margins are of loops with one sample period")
+
+
+def _of_response(loop: Any) -> Margins:
+    """Margins of a loop of python-control."""
+    control = required("control", "analysis", name="python-control")
+    if isinstance(loop, (control.StateSpace, control.TransferFunction)) and loop.issiso():
+        loop = control.frequency_response(loop, omega_num=_COUNT)
+    if not isinstance(loop, control.FrequencyResponseData) or not loop.issiso():
+        why = "without a law, plant must be a loop with one input and one output of python-control"
+        refuse("plant", loop, f"{why}, not {reprlib.repr(loop)}")
+    return _margins(loop.name, np.asarray(loop.omega), loop.frdata[0, 0])
+
+
+def _margins(name: str, omega: np.ndarray, response: np.ndarray) -> Margins:
+    control = required("control", "analysis", name="python-control")
+    loop = control.FrequencyResponseData(response, omega, smooth=True)
+    gains, phases, _, at_phase, at_gain, _ = control.stability_margins(loop, returnall=True)
+    gains = 20 * np.log10(gains)
+    gain, phase = (np.argmin(np.abs(x)) if len(x) else None for x in (gains, phases))
+    later = np.radians(np.mod(phases, 360.0)) / at_gain
+    S = 1 / (1 + response)
+    return Margins(
+        name,
+        math.inf if gain is None else float(gains[gain]),
+        math.nan if gain is None else float(at_phase[gain]),
+        math.inf if phase is None else float(phases[phase]),
+        math.nan if phase is None else float(at_gain[phase]),
+        float(later.min(initial=math.inf)),
+        # python-control's disk_margins takes no frequency response
+        float(1 / np.abs(S - 0.5).max()),
+        float(np.abs(S).max()),
+        omega,
+        response,
+    )
+
+
+@dataclass(frozen=True)
+class LoopMargins:
+    """Margins of many loops, arrays of shape (loops,), for a search among thousands."""
+
+    crossover: np.ndarray  # highest frequency at which the gain is 1, rad/s; 0 without one
+    gain: np.ndarray  # dB, the smaller of those up and down; infinite without a phase crossing
+    phase: np.ndarray  # deg, the smallest; infinite without a crossover
+    Ms: np.ndarray  # largest sensitivity |1 / (1 + L)|
+    Ms_delayed: np.ndarray  # the same with 50 ms of delay more
+
+
+def loop_margins(omega: np.ndarray, L: np.ndarray) -> LoopMargins:
+    """Margins of the loops ``L``, shape (loops, frequencies), with negative feedback."""
+    size = np.abs(L)
+    phase = np.unwrap(np.angle(L), axis=1)
+    log = np.log(np.maximum(size, 1e-300))
+    # |L| = 1
+    crosses = (log[:, :-1] > 0.0) != (log[:, 1:] > 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(crosses, log[:, :-1] / (log[:, :-1] - log[:, 1:]), 0.0)
+    there = phase[:, :-1] + share * np.diff(phase, axis=1)
+    away = np.degrees(np.abs(np.mod(there, 2 * np.pi) - np.pi))
+    pm = np.where(crosses, away, np.inf).min(axis=1)
+    at = np.exp(np.log(omega[:-1]) + share * np.diff(np.log(omega)))
+    crossover = np.where(crosses, at, 0.0).max(axis=1)
+    # phase of an odd multiple of 180 deg
+    turns = np.floor((phase + np.pi) / (2 * np.pi))
+    crosses = turns[:, :-1] != turns[:, 1:]
+    edge = (np.maximum(turns[:, :-1], turns[:, 1:]) * 2 - 1) * np.pi
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(crosses, (edge - phase[:, :-1]) / np.diff(phase, axis=1), 0.0)
+    there = log[:, :-1] + share * np.diff(log, axis=1)
+    gm = np.where(crosses, np.abs(there), np.inf).min(axis=1) * 20 / np.log(10)
+    late = L * np.exp(-1j * omega * EXTRA_DELAY)
+    return LoopMargins(
+        crossover, gm, pm, 1 / np.abs(1 + L).min(axis=1), 1 / np.abs(1 + late).min(axis=1)
+    )
