@@ -98,7 +98,7 @@ class DesignedGains(AircraftGains):
 
 # what the report's columns are
 COLUMNS = """\
-rad/s, dB, deg: crossover, gain and phase margin; Ms: peak of the sensitivity, +50 ms: with that delay
+rad/s, dB, deg: crossover, gain and phase margin; Ms: peak of the sensitivity, +50 ms: delayed
 settles, over: a step's settling time and overshoot in its unit, predicted; flown: on the aircraft
 use: share of the control's remaining travel that the step takes; relaxed: requirements not met"""
 
