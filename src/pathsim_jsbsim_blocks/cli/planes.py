@@ -212,6 +212,7 @@ def _print_modes(args: argparse.Namespace) -> None:
 def _print_margins(model: LinearModel) -> None:
     """Margins of the holds with the gain table of the aircraft, where there is one."""
     from ..control.gain_tables import table, tables
+    from ..control.controller import Hold
     from ..control.holds import AirspeedHold, HeadingHold, PitchHold, RollHold
     from ..linear import margins
 
@@ -219,7 +220,10 @@ def _print_margins(model: LinearModel) -> None:
     if name not in tables():
         return
     pitch = PitchHold(name, T=model.dt)
-    loops = [(pitch,), *((hold(name, T=model.dt),) for hold in (RollHold, HeadingHold))]
+    loops: list[tuple[Hold, ...]] = [
+        (pitch,),
+        *((hold(name, T=model.dt),) for hold in (RollHold, HeadingHold)),
+    ]
     if table(name).points[0].gains.speed:
         loops.append((AirspeedHold(name, T=model.dt), pitch))
     print(f"  margins with the gains of {name!r}")
