@@ -211,8 +211,8 @@ def _print_modes(args: argparse.Namespace) -> None:
 
 def _print_margins(model: LinearModel) -> None:
     """Margins of the holds with the gain table of the aircraft, where there is one."""
-    from ..control.gain_tables import table, tables
     from ..control.controller import Hold
+    from ..control.gain_tables import table, tables
     from ..control.holds import AirspeedHold, HeadingHold, PitchHold, RollHold
     from ..linear import margins
 
