@@ -73,7 +73,7 @@ def flown(block, duration, start=0.0):
         lambda: DrydenTurbulence(seed=3, T=T),
         lambda: DoubletSource(start=0.5, width=1.0),
         lambda: RampSource(start=0.5, rise_time=2.0),
-        lambda: OneMinusCosineGust(start=0.5),
+        lambda: OneMinusCosineGust(airspeed=300.0, start=0.5),
         lambda: ISAtmosphere(),
     ],
     ids=lambda make: type(make()).__name__,

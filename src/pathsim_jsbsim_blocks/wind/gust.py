@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from .._core.checks import number, optional, positive
+from .._core.checks import number, one_of, optional, positive, refuse
 from .._core.parameters import parameter
+from .._core.pathsim_internals import WiredRegister
 from .._core.units import FOOT
 from ..air import isa
 from ..sources import _EdgeSource, polarity_of
@@ -16,6 +18,8 @@ from ..sources import _EdgeSource, polarity_of
 # altitude in ft, reference gust velocity in ft/s EAS between the design cruising speed and that of
 # maximum gust intensity: 14 CFR 25.341(a)(5)(i), amendment 25-141
 _REFERENCE = ((0.0, 15000.0, 60000.0), (56.0, 44.0, 20.86))
+# limits of the gradient there, each unit rounded by itself
+_FEET, _METRES = (30.0, 350.0), (9.0, 107.0)
 
 
 def design_gust_velocity(gradient: float, altitude: float, alleviation: float = 1.0) -> float:
@@ -56,7 +60,7 @@ def design_gust_velocity(gradient: float, altitude: float, alleviation: float = 
     >>> round(design_gust_velocity(350.0, 0.0), 2)
     56.0
     """
-    gradient = number("gradient", gradient, low=30.0, high=350.0)
+    gradient = number("gradient", gradient, low=_FEET[0], high=_FEET[1])
     altitude = number("altitude", altitude, low=0.0, high=_REFERENCE[0][-1])
     alleviation = number("alleviation", alleviation, above=0.0, high=1.0)
     reference = float(np.interp(altitude, *_REFERENCE))
@@ -68,19 +72,21 @@ def design_gust_velocity(gradient: float, altitude: float, alleviation: float = 
 class OneMinusCosineGust(_EdgeSource):
     """Discrete gust of the 1-cosine shape, with the lengths and velocities of CS 25.341.
 
+    Positive is in the direction of the port that it is wired to: **down** at ``wind_down``, as in
+    MIL-F-8785C. The upward gust of CS 25.341, which raises nz, has the polarity -1 there.
+
     .. math::
         U = \\frac{U_\\mathrm{ds}}{2} \\left(1 - \\cos\\frac{\\pi s}{H}\\right), \\qquad
         0 \\le s = V (t - t_\\mathrm{start}) \\le 2 H
 
-    and 0 before and after. Wired to ``wind_down`` of an aircraft, a gust of polarity -1 is an
-    upward one, which raises nz.
+    and 0 before and after. V is the airspeed at the start of the gust.
 
     Parameters
     ----------
     gradient : float
-        gust gradient distance H, the length of the rise, ft; half of the gust's length
-    airspeed : float
-        true airspeed V at which the gust is met, ft/s
+        gust gradient distance H, the length of the rise, in ``unit``; half of the gust's length
+    airspeed : float, optional
+        true airspeed V at which the gust is met, ft/s; default: that at the port ``vt``
     altitude : float
         ft, for the design gust velocity
     amplitude : float, optional
@@ -90,6 +96,13 @@ class OneMinusCosineGust(_EdgeSource):
         time at which the gust begins in s
     polarity : float
         sign of the gust, 1 or -1
+    unit : str
+        "ft" or "m", of the gradient
+
+    Inputs
+    ------
+    vt
+        true airspeed in ft/s, read as the gust begins; not read if ``airspeed`` is given
 
     Outputs
     -------
@@ -100,8 +113,8 @@ class OneMinusCosineGust(_EdgeSource):
     ------
     ParameterError
         for a length or an airspeed that is not positive, a polarity other than 1 and -1, and
-        without an amplitude a gradient outside of 30 to 350 ft or an altitude outside of 0 to
-        60,000 ft
+        without an amplitude a gradient outside of 30 to 350 ft (9 to 107 m) or an altitude outside
+        of 0 to 60,000 ft; as a run begins, without an airspeed and a wire to ``vt``
 
     References
     ----------
@@ -109,31 +122,65 @@ class OneMinusCosineGust(_EdgeSource):
     """
 
     gradient: float = parameter(350.0, positive)
-    airspeed: float = parameter(300.0, positive)
+    airspeed: float | None = parameter(None, optional, above=0.0)
     altitude: float = parameter(0.0, number)
     amplitude: float | None = parameter(None, optional)
     start: float = parameter(1.0, number, low=0.0)
     polarity: float = parameter(1, polarity_of)
+    unit: Literal["ft", "m"] = parameter("ft", one_of, choices=("ft", "m"))
 
     is_wind = True
+    input_port_labels = {"vt": 0}
     output_port_labels = {"gust": 0}
+
+    _vt = 0.0  # ft/s, at the port as the gust began
+
+    def _begin(self) -> None:
+        super()._begin()
+        self.inputs = WiredRegister(1, dict(self.input_port_labels))
+
+    @property
+    def length(self) -> float:
+        """The gradient distance in ft."""
+        return self.gradient / FOOT if self.unit == "m" else self.gradient
 
     @property
     def peak(self) -> float:
         """Velocity at the middle of the gust, ft/s."""
         peak = self._checked.amplitude
         if peak is None:
-            peak = design_gust_velocity(self.gradient, self.altitude)
+            length = self.length
+            if self.unit == "m" and _METRES[0] <= self.gradient <= _METRES[1]:
+                length = min(max(length, _FEET[0]), _FEET[1])
+            peak = design_gust_velocity(length, self.altitude)
         return self._checked.polarity * peak
 
+    def _speed(self) -> float:
+        """The airspeed at which the gust is met, ft/s; 0 before that is known."""
+        return self._checked.airspeed or self._vt
+
     def _edge_times(self) -> list[float]:
-        c, self._peak = self._checked, self.peak
-        return [c.start, c.start + 2 * c.gradient / c.airspeed]
+        start, speed, self._peak = self._checked.start, self._speed(), self.peak
+        return [start, start + 2 * self.length / speed] if speed else [start]
+
+    def _at_edge(self, t: float) -> None:
+        if self.airspeed is None and self.passed == 1:
+            self._vt = positive("airspeed", float(self.inputs[0]))
+            self._times = self._edge_times()
+        super()._at_edge(t)
+
+    def reset(self) -> None:
+        self._vt = 0.0
+        self._times = self._edge_times()
+        super().reset()
 
     def update(self, t: float) -> None:
+        if self.airspeed is None and not self.inputs.wired:
+            why = "a gust is met at an airspeed: give airspeed in ft/s, or wire the port vt"
+            refuse("airspeed", None, why)
         y = 0.0
         if self.passed == 1:
             # within the gust, also where a parameter was edited in the middle of it
-            s = min(max(self.airspeed * (t - self.start), 0.0), 2 * self.gradient)
-            y = self._peak / 2 * (1 - math.cos(math.pi * s / self.gradient))
+            s = min(max(self._speed() * (t - self.start), 0.0), 2 * self.length)
+            y = self._peak / 2 * (1 - math.cos(math.pi * s / self.length))
         self.outputs[0] = y
