@@ -132,7 +132,7 @@ def test_a_linear_model_shows_the_further_outputs_and_moves_the_fixed_inputs(met
         (
             {"input_properties": ["ic/h-sl-ft"]},
             PropertyError,
-            r"only where a flight starts.* setup=\{'ic/h-sl-ft': value\}",
+            r"only at the start of a flight.* setup=\{'ic/h-sl-ft': value\}",
         ),
         ({"input_properties": ["simulation/dt"]}, PropertyError, "cannot be written"),
         (

@@ -1,1 +1,1 @@
-"""What the other folders share: checks of arguments, ports by name, sampling at a period."""
+"""Shared by all folders: checks of arguments, ports by name, sampling at a period."""

@@ -21,7 +21,7 @@ _PORTS = {
     "eas": "equivalent airspeed, m/s",
     "tas": "true airspeed, m/s",
     "mach": "Mach number",
-    "altitude": "altitude in m: a height, or pressure altitude where ``altitude_kind`` is "
+    "altitude": "altitude in m: geometric, or pressure altitude if ``altitude_kind`` is "
     '"geopotential"',
     "temp_deviation": "from the standard temperature, K",
 }

@@ -92,7 +92,7 @@ def pressure_temperature(
 
 
 def _of_array(altitude: Any, temp_deviation: Any, geometric: bool) -> tuple[Any, Any]:
-    """As `pressure_temperature` where the altitude or the deviation is an array."""
+    """As `pressure_temperature`, with an array of altitudes or deviations."""
     altitude = np.asarray(altitude)
     pressure, t = np.empty(altitude.shape), np.empty(altitude.shape)
     flat, tops = (altitude.ravel(), pressure.ravel(), t.ravel()), np.array(_TOPS)[:, np.newaxis]

@@ -79,7 +79,7 @@ TRUST = switch(
 )
 TOOLBOX = repeatable(
     "--trust-toolbox",
-    "import this toolbox if the model asks for it, even if it is not one of PathSim's",
+    "import this toolbox if the model requires it, even if it is not one of PathSim's",
     "PACKAGE[:IMPORT]",
 )
 SET = repeatable("--set", "a property to write before the trim", "PROPERTY=VALUE")

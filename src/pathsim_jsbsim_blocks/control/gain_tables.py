@@ -267,7 +267,7 @@ def _check_keys(gains: Mapping, names: Any, needed: Any, what: str) -> None:
             refuse(
                 "gains",
                 gains,
-                f"there is no {what} {name!r}; there are {', '.join(names)}"
+                f"there is no {what} {name!r}; available: {', '.join(names)}"
                 + did_you_mean(nearest(str(name), names, 1)),
             )
     missing = [name for name in needed if name not in gains]

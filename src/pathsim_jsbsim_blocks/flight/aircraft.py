@@ -65,13 +65,13 @@ class Aircraft(FlightBlock):
         brakes are off, so it may creep (c172p: 5.6 ft/s2)
     gear : float, optional
         landing gear, 0 up to 1 down; default is the model's own setting, which is often down even
-        where it retracts (737, B747): 0 is what an aircraft above 200 KCAS should have
+        if the gear is retractable (737, B747): set 0 above 200 KCAS
     flaps : float, optional
         flap command, 0 to 1; default is the model's own setting
     T : float
         sample period in s
     condition : TrimCondition, optional
-        replaces the parameters from ``altitude`` to ``flaps``, ``latitude`` and ``longitude`` where
+        replaces the parameters from ``altitude`` to ``flaps``, ``latitude`` and ``longitude`` if
         they are not sufficient
     setup : dict, optional
         properties written before initialisation and trim (fuel, payload); one that has another
@@ -107,12 +107,12 @@ class Aircraft(FlightBlock):
         JSBSim root directory; default is the one shipped with jsbsim
     create : dict or "missing", optional
         properties, with their values, that the model expects from its environment (FlightGear):
-        they exist before it is loaded. The error of a model that lacks some names them all;
-        "missing" creates these as 0, and warns with their list
+        they exist before it is loaded. If some are missing, the error lists them all; "missing"
+        creates them as 0, and a warning lists them
     allow_network : bool
-        let the model open the sockets that its XML asks for (FlightGear, telnet input)
+        let the model open the sockets that its XML defines (FlightGear, telnet input)
     allow_files : bool
-        let the model write the output files that its XML asks for (CSV)
+        let the model write the output files that its XML defines (CSV)
     integrators : str or dict
         "default" (JSBSim's own: Euler for rotation), "precise" (a third of the error in flight at
         the same T; less stable on the ground below 120 Hz), or methods by state:
@@ -123,13 +123,13 @@ class Aircraft(FlightBlock):
         "local linearization"
     planet : str or dict, optional
         "WGS-84", "round" (a sphere of the same area, rotating), "round, fixed" (not rotating), or
-        what differs from WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
+        changes to WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
         (rad/s), ``GM`` (ft3/s2), ``J2``; default is the model's own, or WGS-84
     gravity : str, optional
         "J2" (of the ellipsoid) or "point mass"; default is JSBSim's, J2
     flightgear : str, optional
         ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
-        FDM packets there by UDP, 60 in a second of the flight. Nothing waits for them
+        FDM packets there by UDP, 60 per second of flight, without waiting for a reply
     latitude : float, optional
         where the flight starts: geodetic latitude in deg, north positive; default is the model's
         own (0)
@@ -180,11 +180,11 @@ class Aircraft(FlightBlock):
     Raises
     ------
     AircraftError, PropertyError, ParameterError, TrimError
-        when the block is built: unknown names and values that cannot be, or no trim
+        when the block is built: unknown names, impossible values, or no trim
     FlightError
-        in flight, when an input or the state is not finite, the aircraft has crashed or is under
-        the ground, or something else runs or holds it; of `Aircraft` also at a contact with the
-        ground beyond ``sink_max`` or ``scrape_max``
+        in flight, if an input or the state is not finite, the aircraft has crashed or is under the
+        ground, or other code runs or holds it; with `Aircraft` also at ground contact beyond
+        ``sink_max`` or ``scrape_max``
 
     Examples
     --------

@@ -66,12 +66,12 @@ class Airframe(PropertyTree):
         loaded from a private copy, which is removed again; the installed one is not touched
     create : dict or "missing", optional
         properties, with their values, that the model expects from its environment (FlightGear):
-        they exist before it is loaded. The error of a model that lacks some names them all;
-        "missing" creates these as 0, and warns with their list
+        they exist before it is loaded. If some are missing, the error lists them all; "missing"
+        creates them as 0, and a warning lists them
     allow_network : bool
-        let the model open the sockets that its XML asks for (FlightGear, telnet input)
+        let the model open the sockets that its XML defines (FlightGear, telnet input)
     allow_files : bool
-        let the model write the output files that its XML asks for (CSV)
+        let the model write the output files that its XML defines (CSV)
     integrators : str or dict
         "default" (JSBSim's own: Euler for rotation), "precise" (a third of the error in flight at
         the same T; less stable on the ground below 120 Hz), or methods by state:
@@ -82,13 +82,13 @@ class Airframe(PropertyTree):
         "local linearization"
     planet : str or dict, optional
         "WGS-84", "round" (a sphere of the same area, rotating), "round, fixed" (not rotating), or
-        what differs from WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
+        changes to WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
         (rad/s), ``GM`` (ft3/s2), ``J2``; default is the model's own, or WGS-84
     gravity : str, optional
         "J2" (of the ellipsoid) or "point mass"; default is JSBSim's, J2
     flightgear : str, optional
         ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
-        FDM packets there by UDP, 60 in a second of the flight. Nothing waits for them
+        FDM packets there by UDP, 60 per second of flight, without waiting for a reply
 
     Attributes
     ----------
@@ -335,7 +335,7 @@ class Airframe(PropertyTree):
         return any({engine.type, engine.thruster} & {*kinds} for engine in self.engine_list)
 
     def fuel_of(self, engine: Engine) -> float:
-        """The usable fuel in those of the tanks feeding an engine that are open, lb."""
+        """The usable fuel in the open tanks that feed an engine, lb."""
         fdm, usable = self.fdm, 0.0
         for path in map("propulsion/tank[{}]".format, engine.tanks):
             # a priority of 0 shuts a tank

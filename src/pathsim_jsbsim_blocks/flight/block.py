@@ -59,7 +59,7 @@ _CRASH = 50.0
 # ft above the terrain; JSBSim lets a centre of gravity sink below this
 _UNDERGROUND = -1.0
 
-# parameters that are those of the airframe
+# parameters of the airframe
 _OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {"aircraft", "dt", "empty_cg_x"}
 
 # parameters that are fields of a trim condition; a block's own setup is written after the field's
@@ -224,7 +224,7 @@ class FlightBlock(Parametric, SampledPlant):
             control system, actuators and engines are in it; a doublet on each input, another 8 s,
             shows how far the model holds. "algebraic": central differences of JSBSim's
             accelerations, the rigid aircraft with its engines at their steady state, in some 20 ms;
-            where propellers have governors, and for turboprops, in 0.2 to 0.4 s of held flight
+            with propeller governors, and for turboprops, in 0.2 to 0.4 s of frozen flight
         inputs, outputs : list of str, optional
             names of ports; default all that the aircraft has: one without engines has no throttle.
             The wind of an `Aircraft` and its ``input_properties`` are not among the inputs
@@ -245,7 +245,7 @@ class FlightBlock(Parametric, SampledPlant):
         ------
         LinearisationError
             without a steady trim in flight (modes "none", "ground" and "pull-up"), for an input
-            at the end of its range or without response, and where no linear model fits; flown, for
+            at the end of its range or without response, and if no linear model fits; flown, for
             a ``T`` above 0.25 s, which does not show the short period; algebraic, for an engine
             that does not settle
         ParameterError
@@ -289,7 +289,7 @@ class FlightBlock(Parametric, SampledPlant):
         Raises
         ------
         LinearizationError
-            PathSim's: where there is no linear model
+            PathSim's: if no linear model exists
         """
         try:
             flight = self._flight_key()
@@ -394,7 +394,7 @@ class FlightBlock(Parametric, SampledPlant):
         """Fly the same flight again, with an aircraft that is loaded anew.
 
         Parameters that were set act from here on. If the model can no longer be loaded or trimmed,
-        because its files have changed, this raises and the aircraft flies on where it was.
+        because its files have changed, this raises and the aircraft continues its flight.
         """
         before = dict(self.__dict__)
         try:
@@ -408,7 +408,7 @@ class FlightBlock(Parametric, SampledPlant):
     def latch(self, t: float) -> list[float]:
         u = values(self.inputs)
         if len(u) > self._n_inputs:
-            why = f"input port {len(u) - 1} of {type(self).__name__} is wired, but the block has "
+            why = f"input port {len(u) - 1} of {type(self).__name__} is connected, but it has only "
             refuse("inputs", len(u), f"{why}{self._n_inputs} inputs")
         if not isfinite(sum(u)):
             for port, value in zip(port_names(self.inputs), u, strict=False):

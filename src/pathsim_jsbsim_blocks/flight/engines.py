@@ -104,7 +104,7 @@ def _parts(path: Path, changed: int) -> tuple[list[tuple[_Part, _Part, tuple[int
 
 
 def _kind(model: Path, part: _Part) -> str:
-    """What an engine or thruster is, by an element in it or by the root of its file."""
+    """The type of an engine or thruster, from an element in it or the root of its file."""
     tags = part.tags
     if part.file:
         file = model_file("engine", part.file, model.parent, model.parents[2])

@@ -54,7 +54,7 @@ def level_flight(
     """Find a sensible condition of straight and level flight, or of the glide of a glider.
 
     The speed follows from the weight and the wing area. Properties that the model expects from its
-    environment are created as 0 where ``create`` does not have them. A model without an engine
+    environment are created as 0 unless ``create`` has them. A model without an engine
     glides (mode "glide").
 
     .. math::
@@ -122,7 +122,7 @@ def prepared(
 ) -> tuple[Airframe, TrimCondition]:
     """An initialised airframe, and a condition: gear up, fuel frozen.
 
-    Properties that the model lacks are created as 0 where ``create`` does not have them.
+    Properties that the model lacks are created as 0 unless ``create`` has them.
     """
     try:
         airframe = Airframe(aircraft, root=root, create=create)

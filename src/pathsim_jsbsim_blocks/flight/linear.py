@@ -57,10 +57,10 @@ def linear_model(
     Raises
     ------
     LinearisationError
-        where there is no linear model: no steady trim in flight, an input at the end of its range
+        if no linear model exists: no steady trim in flight, an input at the end of its range
         or without response, responses that no linear model fits
     AircraftError, PropertyError, ParameterError, TrimError
-        for unknown names and values that cannot be, or no trim
+        for unknown names, impossible values, or no trim
 
     Examples
     --------

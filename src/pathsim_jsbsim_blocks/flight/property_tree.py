@@ -182,7 +182,7 @@ class PropertyTree:
             ) from None
 
     def _similar(self, name: str) -> list[str]:
-        """Existing names like ``name``; index 0 is written where ``name`` has it."""
+        """Existing names like ``name``; index 0 is written if ``name`` has it."""
         close = nearest(name.replace("[0]", ""), self._catalogue())
         for branch in re.findall(r"([\w-]+)\[0\]", name):
             close = [re.sub(rf"(?<![\w-]){branch}(?![\w[-])", f"{branch}[0]", n) for n in close]

@@ -22,7 +22,7 @@ _PROPERTIES = ("property", "p", "input", "independentVar")
 # sections of a model that have no effect on its flight
 _UNUSED = ("fileheader", "input", "output")
 
-# where JSBSim looks for engine files, the model's own folders first (FGPropulsion)
+# folders of engine files, the model's own first (FGPropulsion)
 _ENGINES = ("Engines", "engines", "Engine", "engine")
 
 

@@ -75,7 +75,7 @@ def why_no_input(name: str) -> str:
         )
     if name.startswith("ic/"):
         return (
-            "JSBSim reads it only where a flight starts; write it there with the trim condition "
+            "JSBSim reads it only at the start of a flight; write it with the trim condition "
             f"or setup={{{name!r}: value}}"
         )
     return ""
@@ -84,7 +84,7 @@ def why_no_input(name: str) -> str:
 def value_check(
     name: str, aircraft: str, engine_list: Callable[[], Sequence[Engine]]
 ) -> Check | None:
-    """What refuses values of a property; None for a property of which JSBSim takes any."""
+    """A check for values of a property; None if JSBSim accepts any."""
     for pattern, (low, high) in _RANGES.items():
         if re.fullmatch(pattern, name):
             return lambda label, value: number(label, value, low=low, high=high)
@@ -123,7 +123,7 @@ def _not_stopped(name: str, aircraft: str, engine: Engine) -> Check:
 def cannot_stop(engine: Engine) -> str:
     """Why an engine that follows its throttle cannot be stopped."""
     return (
-        f"engine {engine.number} is {engine.type}, which nothing stops but its throttle, "
+        f"engine {engine.number} is {engine.type}, which only its throttle stops, "
         f"fcs/throttle-cmd-norm[{engine.number}]"
     )
 

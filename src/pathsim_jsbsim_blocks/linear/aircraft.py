@@ -44,7 +44,7 @@ class LinearAircraft(LinearModelBlock):
         true heading in deg
     gear : float, optional
         landing gear, 0 up to 1 down; default is the model's own setting, which is often down even
-        where it retracts (737, B747): 0 is what an aircraft above 200 KCAS should have
+        if the gear is retractable (737, B747): set 0 above 200 KCAS
     flaps : float, optional
         flap command, 0 to 1; default is the model's own setting
     T : float
@@ -100,7 +100,7 @@ class LinearAircraft(LinearModelBlock):
     LinearisationError
         where there is no linear model
     AircraftError, PropertyError, ParameterError, TrimError
-        for unknown names and values that cannot be, or no trim
+        for unknown names, impossible values, or no trim
 
     Examples
     --------

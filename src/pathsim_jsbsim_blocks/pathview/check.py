@@ -57,7 +57,7 @@ class ModelCheck:
         self.content, self.registry, self.path = content, registry, path
         self.assigned: set[str] = set()  # names that the model's code binds
         self.used: set[str] = set()  # names that the code and parameters refer to
-        self.called_later: set[str] = set()  # those of them that functions refer to
+        self.called_later: set[str] = set()  # names to which functions refer
 
     def all(self) -> None:
         settings = self.content["simulationSettings"]

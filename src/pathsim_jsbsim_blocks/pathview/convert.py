@@ -31,7 +31,7 @@ def convert_model(
         the script; default is the model's name with .py, which must not exist yet
     toolboxes : sequence of str
         toolboxes that the model does not name itself, ``PACKAGE`` or ``PACKAGE:IMPORT.PATH``;
-        this package, pathsim-flight and the model's ``requiredToolboxes`` are known already
+        this package, pathsim-flight and the model's ``requiredToolboxes`` are always included
     trust_toolboxes : sequence of str
         further toolboxes, not PathSim's own, that may be imported if the model requires them
 

@@ -70,7 +70,7 @@ class Part:
 
     target: Node | Event
     value: Any
-    kind: type  # the class that PathView knows
+    kind: type  # PathView's class
     parent: Part | None = None  # the subsystem around it
     arguments: dict[str, Any] = field(default_factory=dict)  # values with which it is built
     variable: str = ""  # in PathView's script

@@ -151,7 +151,7 @@ class _Reader:
         return StateSpace if flies_matrices(block) and (stateless or not supported) else kind
 
     def _known(self, block: Block, kind: type[Block]) -> list[str]:
-        """Parameter names of a block's class, which PathView must know."""
+        """Parameter names of a block's class; refuse a class that PathView does not have."""
         name = kind.__name__
         if kind.__module__.startswith("pathsim."):
             entry = self.registry["blocks"].get(name)
@@ -349,7 +349,7 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
 
 
 def _built_in(kind: type[Block]) -> type[Block]:
-    """The class that PathView may know: the base of a class that only adds ``__init__``."""
+    """A class, or its base if it only adds ``__init__``: PathView may have the base."""
     while not kind.__module__.startswith("pathsim.") and len(kind.__bases__) == 1:
         base = kind.__bases__[0]
         own = vars(kind).keys() - {"__init__", *vars(type("", (), {}))}

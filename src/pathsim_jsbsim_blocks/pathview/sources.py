@@ -64,7 +64,7 @@ def of_class(name: str, path: str, lines: list[int]) -> SourceNode | None:
 
 
 def _span(code: types.CodeType) -> tuple[int, ...]:
-    """Where the body of a lambda begins and ends; empty before Python 3.11."""
+    """Start and end of the body of a lambda; empty before Python 3.11."""
     places = [p for p in getattr(code, "co_positions", list)() if p[2] != p[3] or p[0] != p[1]]
     if code.co_name != "<lambda>" or not places:
         return ()

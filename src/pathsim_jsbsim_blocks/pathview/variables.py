@@ -93,13 +93,13 @@ def without_clashes(
                 nodes[i] = {**node, "graph": inside}
         return {**graph, "nodes": nodes, "events": events}
 
-    # a model's own events stand beside its graph, those of subsystems in it
+    # a model's own events are beside its graph, a subsystem's events in its graph
     graph = level({**content["graph"], "events": content["events"]}, "")
     return {**content, "graph": {**graph, "events": []}, "events": graph["events"]}
 
 
 def _variables(part: Json, prefix: str) -> set[str]:
-    # PathView puts nothing before a subsystem in a subsystem
+    # PathView does not prefix a subsystem in a subsystem
     if part["type"] == "Subsystem":
         return {plain(part["name"]), f"{prefix_inside(part['name'], prefix)}interface"}
     return {prefix + plain(part["name"])}

@@ -41,7 +41,7 @@ _STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
 
 
 class FirstRun(Script):
-    """A script at the beginning of its first run, or at its end if it runs nothing.
+    """A script at the beginning of its first run, or at its end if it has no run.
 
     ``capture`` is called with this object at that point, before any cleanup such as ``finally``;
     ``result`` is its return value. A `DiagramError` has the line that fails.

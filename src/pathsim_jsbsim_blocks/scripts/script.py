@@ -35,7 +35,7 @@ class Construction:
 
     node: ast.Call
     value: Any
-    # parameters that the call gives; None where a function of the script builds the object
+    # parameters in the call; None if a function of the script builds the object
     arguments: frozenset[str] | None
     values: dict[str, tuple[Any, Any]]  # of all parameters, each with the object's attribute then
 

@@ -57,7 +57,7 @@ class Text(str):
 
 
 class Settings:
-    """Values by name, and where they belong in a script.
+    """Values by name, and their places in a script.
 
     ``"NAME"`` is a constant that the script assigns once, at its top level; ``"BLOCK.PARAMETER"``
     is an argument of the call from which it assigns a block to the variable BLOCK, at any level,
@@ -142,7 +142,7 @@ class Settings:
         try:
             signature = inspect.signature(make)
         except (TypeError, ValueError):
-            self._refuse(f"{variable}.{names[0]}", f"the parameters of {make!r} are not known")
+            self._refuse(f"{variable}.{names[0]}", f"{make!r} does not tell its parameters")
         try:
             bound = signature.bind_partial(*args, **kwargs)
         except TypeError:

@@ -80,7 +80,7 @@ def run_batch(
         refused, with the difference, for other cases, arguments of a `functools.partial`, versions
         of this package, PathSim, JSBSim and Python, ``.py`` files below the top package of the
         function or the folder of the script, and XML files below a JSBSim root among the arguments.
-        Functions must be those of a module or script. Nothing else is compared
+        Functions must belong to a module or script. Other data are not compared
     progress : bool
         show a progress bar on stderr
 

@@ -58,7 +58,7 @@ def _trimmed(table: Any, chart: str, study: str, columns: Sequence[str]) -> pd.D
             refuse("table", names, why + did_you_mean(nearest(name, names)))
     rows = table[table.trimmed.astype(bool)]
     if rows.empty:
-        refuse("table", names, f"{chart} has nothing to draw: no point of the table trims")
+        refuse("table", names, f"{chart} cannot draw this table: none of its points trims")
     return rows
 
 

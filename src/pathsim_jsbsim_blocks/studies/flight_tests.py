@@ -221,7 +221,7 @@ class Plane:
         start = self.first(self.glide)
         if start is None:
             raise BlocksError(self.reason)
-        self.reason = "largest lift"
+        self.reason = "maximum lift"
         return last(self.glide, start, 0.93, _lift)
 
     def energy_rate(self, state: TrimState) -> float | None:
@@ -331,7 +331,7 @@ def last(find: Find, good: TrimState, ratio: float, size: Size | None = None) ->
 
 
 def best_of(find: Find, size: Size, start: TrimState, ratio: float = 1.05) -> TrimState:
-    """The trim with the largest size at the speeds around ``start``."""
+    """The trim that maximises ``size`` over the speeds around ``start``."""
     best = start
     while ratio > _FINEST**2:
         up, down = find(best.speed * ratio), find(best.speed / ratio)

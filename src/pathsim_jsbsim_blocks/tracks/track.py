@@ -71,7 +71,7 @@ class Track:
         pitch, roll and heading angle, deg
     signals : dict, optional
         further columns by their label, such as ``"calibrated airspeed [kt]"``, each of shape (n,);
-        NaN where a signal is undefined
+        NaN if a signal is undefined
     about : dict, optional
         text for the head of a report, such as the trimmed condition
     every_step : bool

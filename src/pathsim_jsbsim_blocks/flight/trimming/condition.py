@@ -1,4 +1,4 @@
-"""What to trim for: `TrimCondition`, checked on construction and immutable."""
+"""The condition of a trim: `TrimCondition`, checked on construction and immutable."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class TrimCondition:
         brakes are off, so it may creep (c172p: 5.6 ft/s2)
     gear : float, optional
         landing gear, 0 up to 1 down; default is the model's own setting, which is often down even
-        where it retracts (737, B747): 0 is what an aircraft above 200 KCAS should have
+        if the gear is retractable (737, B747): set 0 above 200 KCAS
     flaps : float, optional
         flap command, 0 to 1; default is the model's own setting
     wind_north, wind_east : float
@@ -144,7 +144,7 @@ class TrimCondition:
         own value is then the first guess
     engines_off : list of int or "all"
         engines that do not run, from 0: jets without thrust, propellers that the wind may turn
-        (feather them in ``setup``, ``fcs/feather-cmd-norm[i]``, where the model can). With one
+        (feather them in ``setup``, ``fcs/feather-cmd-norm[i]``, if the model can). With one
         engine out in flight (Newton search) it finds bank, aileron and rudder at the sideslip angle
         ``beta``. Without any engine use mode "glide". In ``setup``,
         ``propulsion/engine[i]/set-running`` of 0 means the same. Electric motors and rockets are

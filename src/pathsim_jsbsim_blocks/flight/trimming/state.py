@@ -97,7 +97,7 @@ class TrimState:
         lbf, sum of the engines
     pitch_trim, elevator, aileron, rudder : float
         commands, -1 to 1; the trim uses the pitch trim for pitch, elevator stays 0 (but the Newton
-        search uses it where a model has no pitch trim)
+        search uses it if a model has no pitch trim)
     elevator_rad, elevator_norm : float
         position of the elevator in rad and as a fraction of its travel (0 if the model has none)
     udot, vdot, wdot : float
