@@ -95,7 +95,7 @@ def test_signal_by_its_label(scope):
         (lambda scope: signal(Aircraft("c172p", 5000, 90), "h"), "not Aircraft"),
         (lambda scope: time_histories(), "at least one scope"),
         (lambda scope: time_histories(Scope()), "run the simulation first"),
-        (lambda scope: time_histories([1.0]), "scope must be a Scope or FlightRecorder, not"),
+        (lambda scope: time_histories([1.0]), "scope must be a Scope or recorder, not"),
         (lambda scope: time_histories(scope, references={"hight": 1.0}), "did you mean 'height'"),
         *(
             (lambda scope, bad=bad: time_histories(scope, references=bad), "reference")

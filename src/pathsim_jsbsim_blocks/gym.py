@@ -67,12 +67,10 @@ class _Actions(Block):
 class _Signals:
     """Ports with the ranges of their values, and the space of these ranges."""
 
-    def __init__(
-        self, parameter: str, intervals: Any, available: Mapping[str, _Port], normalise: bool
-    ):
+    def __init__(self, parameter: str, intervals: Any, ports: Mapping[str, _Port], normalise: bool):
         ranges = {n: _range(n, bounds) for n, bounds in mapping(parameter, intervals).items()}
         self.names = [*ranges]
-        self.ports = [_lookup(parameter, name, available) for name in ranges]
+        self.ports = [_lookup(parameter, name, ports) for name in ranges]
         self.read = [port_reader(register, i) for _, register, i in self.ports]
         self.low, self.high = low, high = np.array([*ranges.values()]).T
         if normalise:
@@ -145,10 +143,8 @@ class DiagramEnv(gymnasium.Env):
         # a variable of a script takes effect only when the script is built again
         self._anew = any("." not in name for name in self._vary)
         self._crash = number("crash", options["crash"])
-        self._reward, self._terminated = (
-            options["reward"],
-            options["terminated"] or (lambda _: False),
-        )
+        self._reward = options["reward"]
+        self._terminated = options["terminated"] or (lambda _: False)
         for name, judge in (("reward", self._reward), ("terminated", self._terminated)):
             if not callable(judge):
                 must_be(name, judge, "a function of the values")

@@ -259,10 +259,8 @@ def aircraft_points(
     figure, (side, top) = subplots(
         2, 1, layout="constrained", figsize=(8, 9), height_ratios=(1, 2), title=title
     )
-    for (kind, coordinates), marker in zip(
-        points.items(), itertools.cycle("oXs^vDP*p"), strict=False
-    ):
-        x, y, z = np.transpose(coordinates)
+    for (kind, rows), marker in zip(points.items(), itertools.cycle("oXs^vDP*p"), strict=False):
+        x, y, z = np.transpose(rows)
         side.plot(x, z, marker, label=kind, markersize=8, alpha=0.8)
         top.plot(x, y, marker, markersize=8, alpha=0.8)
     side.set(ylabel="z, up [in]", title="from the left side")

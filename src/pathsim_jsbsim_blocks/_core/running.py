@@ -34,9 +34,8 @@ def fly(
     The trajectory is the same, bit for bit. Fixed steps are counted: 3600 s at 120 Hz are 432,000
     steps, whereas rounding makes ``run`` take one more. If a diagram has no continuous states, no
     algebraic loops and no events besides scheduled ones, a step is one loop over the sampled
-    blocks, the levels of the graph and the recorders; all other steps are PathSim's own. That loop
-    evaluates each block once per step, ``run`` twice, which matters only to functions that count
-    their calls.
+    blocks, the levels of the graph and the recorders; other steps are PathSim's own. That loop
+    evaluates each block once per step, ``run`` twice: functions can count the difference.
 
     Parameters
     ----------

@@ -19,9 +19,7 @@ def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
     from pathsim.blocks import Scope  # imported late: a trim does not need PathSim
 
     if not isinstance(scope, Scope):
-        refuse(
-            "scope", scope, f"scope must be a Scope or FlightRecorder, not {reprlib.repr(scope)}"
-        )
+        refuse("scope", scope, f"scope must be a Scope or recorder, not {reprlib.repr(scope)}")
     time, data = scope.read()
     if time is None:
         refuse("scope", scope, "the scope has no recording: run the simulation first")

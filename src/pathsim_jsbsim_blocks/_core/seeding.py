@@ -58,10 +58,10 @@ class Seeding:
         with patch.object(random, "seed", ignored), patch.object(np.random, "seed", ignored):
             yield
 
-    def seed_blocks(self, sim: Simulation, exceptions: Collection[Any] = ()) -> None:
-        """Give each block except ``exceptions`` its own seed, in the diagram's order."""
+    def seed_blocks(self, sim: Simulation, fixed: Collection[Any] = ()) -> None:
+        """Give each block except ``fixed`` its own seed, in the diagram's order."""
         self._look()
-        self._blocks += seed_blocks(random_blocks(sim), self.seed, exceptions)
+        self._blocks += seed_blocks(random_blocks(sim), self.seed, fixed)
         self._before = self._state()
 
     def _look(self) -> None:
@@ -98,14 +98,12 @@ def draws_from_shared(block: Any) -> bool:
     return isinstance(block, _SHARED)
 
 
-def seed_blocks(
-    blocks: Sequence[Block], seed: int, exceptions: Collection[Any] = ()
-) -> list[Block]:
-    """Give each block except ``exceptions`` its own seed; return the seeded blocks."""
+def seed_blocks(blocks: Sequence[Block], seed: int, fixed: Collection[Any] = ()) -> list[Block]:
+    """Give each block except ``fixed`` its own seed; return the seeded blocks."""
     seeded = []
     children = np.random.SeedSequence(seed).spawn(len(blocks))
     for block, child in zip(blocks, children, strict=True):
-        if not any(block is x for x in exceptions):
+        if not any(block is x for x in fixed):
             _seed(block, int(child.generate_state(1)[0]))
             seeded.append(block)
     return seeded

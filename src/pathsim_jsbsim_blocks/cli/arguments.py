@@ -155,9 +155,7 @@ def values_of(option: str, items: Iterable[str]) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            alone = (
-                "; pass missing alone and change its zeros with --set" if item == "missing" else ""
-            )
+            alone = "; pass missing alone, and --set for values" if item == "missing" else ""
             refuse(
                 option, item, f"--{option} needs PROPERTY=VALUE with a number, not {item!r}{alone}"
             )

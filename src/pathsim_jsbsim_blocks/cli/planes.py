@@ -282,12 +282,10 @@ def gains(args: argparse.Namespace) -> int:
 
     try:
         model["method"] = args.method
-        schedule = design_schedule(
-            args.aircraft, condition, altitudes, speeds, progress=tell, **model
-        )
+        gains = design_schedule(args.aircraft, condition, altitudes, speeds, progress=tell, **model)
     except (DesignError, TrimError):  # all conditions failed, which is reported already
         return 1
     if args.save is not None:
-        schedule.save(args.save)
+        gains.save(args.save)
         print(f"gains saved: {args.save}")
     return 0

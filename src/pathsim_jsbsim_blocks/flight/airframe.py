@@ -276,9 +276,7 @@ class Airframe(PropertyTree):
         # a typo in the model's own XML would become a term that is always 0
         own = [name for name in lacking if not name.startswith("/")]
         close = {name: [n for n in self._similar(name) if n not in lacking][:2] for name in own}
-        hints = {
-            name: f" ({did_you_mean(similar)[2:]})" for name, similar in close.items() if similar
-        }
+        hints = {name: f" ({did_you_mean(n)[2:]})" for name, n in close.items() if n}
         names = ", ".join(f"{name!r}{hints.get(name, '')}" for name in lacking)
         create = self.created | dict(lacking)
         return AircraftError(

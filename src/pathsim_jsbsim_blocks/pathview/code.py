@@ -66,8 +66,7 @@ class Code:
         self.parts: dict[int, Any] = {}  # to which functions refer, by id
         self._pieces: dict[str, Piece] = {}
         self._states: list[Piece] = []
-        # by id of a value or cell, which is stored too so that its id is not reused
-        self._texts: dict[int, tuple[str, Any]] = {}
+        self._texts: dict[int, tuple[str, Any]] = {}  # by id of a value, stored to keep the id
         self._variables: dict[tuple[int, str], str] = {}  # by namespace and name
         self._needs: list[set[str]] = [set()]
         self.inner: set[str] = set()  # variables of functions, which would hide a part of that name
@@ -361,38 +360,32 @@ class Code:
 
     def _function(self, function: types.FunctionType, name: str = "") -> str:
         """The source of a function, with the model's names and live default values."""
-        definition, code = of_function(function), function.__code__
-        if definition is None:
+        source, code = of_function(function), function.__code__
+        if source is None:
             what = "a lambda" if not name else f"function {function.__name__!r}"
             raise Unwritable(f"the source of {what} is ambiguous; define it on its own lines")
         cells = dict(zip(code.co_freevars, function.__closure__ or (), strict=True))
         new: dict[ast.AST, str] = {}
         # a default that is a block is looked up at each call: it is built after the code
-        for argument, text in self._defaults(function, definition.node, new).items():
-            body = (
-                definition.node.body
-                if isinstance(definition.node.body, list)
-                else [definition.node.body]
-            )
+        for argument, text in self._defaults(function, source.node, new).items():
+            body = source.node.body if isinstance(source.node.body, list) else [source.node.body]
             for node in (n for statement in body for n in ast.walk(statement)):
                 if isinstance(node, ast.Name) and node.id == argument:
                     new[node] = text
-        decorators = [
-            n for d in getattr(definition.node, "decorator_list", ()) for n in ast.walk(d)
-        ]
+        decorators = [n for d in getattr(source.node, "decorator_list", ()) for n in ast.walk(d)]
         without = {n for replaced in new for n in ast.walk(replaced)}.union(decorators)
-        _Names(self, definition.node, function.__globals__, cells).put(new, without)
-        text = text_of(definition, new)
+        _Names(self, source.node, function.__globals__, cells).put(new, without)
+        text = text_of(source, new)
         if _STAND_IN.search(text):
-            for node in ast.walk(definition.node):
+            for node in ast.walk(source.node):
                 if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
                     self.inner.add(node.id)
                 elif isinstance(node, ast.arg):
                     self.inner.add(node.arg)
         if name:
             text = re.sub(rf"(def\s+){code.co_name}\b", rf"\g<1>{name}", text, count=1)
-            text = with_comments(definition, text)
-        return one_line(text) if isinstance(definition.node, ast.Lambda) else text
+            text = with_comments(source, text)
+        return one_line(text) if isinstance(source.node, ast.Lambda) else text
 
     def _defaults(
         self, function: types.FunctionType, node: Any, new: dict[ast.AST, str]

@@ -135,8 +135,7 @@ def _bands(
             (column[w.source] for w in graph.wires if w.target == i and w.source in column),
             default=last,
         )
-    # best layout of the first n columns: number of rows, wires between rows, sum of squared
-    # widths (equal rows are best), rows
+    # best layout of the first n columns: number of rows, wires between, sum of widths^2, rows
     best: dict[int, tuple[int, int, float, list[dict[int, int]]]] = {0: (0, 0, 0.0, [])}
     for end in range(1, last + 2):
         ways = []

@@ -200,18 +200,11 @@ class _Reader:
 
     def _construction(self, part: Part, names: Sequence[str]) -> None:
         """The values with which a part is to be built, by parameter name."""
-        construction, parameters = self.script.construction(part.value), _parameters(part.kind)
-        reliable = (
-            construction is not None
-            and construction.arguments is not None
-            and part.kind is type(part.value)
-        )
-        named, values = (
-            (construction.arguments, construction.values)
-            if construction and reliable
-            else (frozenset(), {})
-        )
-        for name in named or ():
+        built, parameters = self.script.construction(part.value), _parameters(part.kind)
+        named, values = frozenset[str](), dict[str, Any]()
+        if built and built.arguments is not None and part.kind is type(part.value):
+            named, values = built.arguments, built.values
+        for name in named:
             if name not in names or name.startswith("_"):
                 reason = f"PathView cannot represent parameter {name!r} of {part.kind.__name__}"
                 self._refuse(part.value, reason)
@@ -225,7 +218,7 @@ class _Reader:
                 live = _state(part.value, live)
             if not same(live, before):  # changed since the part was built
                 value = live
-            if name in (named or ()) or not same(value, default):
+            if name in named or not same(value, default):
                 part.arguments[name] = value
 
     def _expression(self, part: Part, name: str, value: Any) -> str:

@@ -25,11 +25,8 @@ def live_settings(script: FirstRun) -> dict[str, tuple[Any, ast.expr | None]]:
 
     PathView's defaults differ from PathSim's.
     """
-    sim, begun, construction = (
-        script.simulation,
-        script.run_start,
-        script.construction(script.simulation),
-    )
+    sim, begun = script.simulation, script.run_start
+    built = script.construction(sim)
     arguments = begun.arguments if begun else {"duration": script.namespace.get("DURATION")}
     if sim.engine.is_adaptive and arguments.get("adaptive") is False:
         script.refuse(
@@ -37,8 +34,8 @@ def live_settings(script: FirstRun) -> dict[str, tuple[Any, ast.expr | None]]:
             script.run_call,
         )
     nodes: dict[str, ast.expr] = {}
-    if construction and construction.arguments is not None:
-        nodes = named_arguments(construction.node, list(inspect.signature(Simulation).parameters))
+    if built and built.arguments is not None:
+        nodes = named_arguments(built.node, list(inspect.signature(Simulation).parameters))
     nodes |= script.run_arguments()
     for name in ast.walk(script.tree) if begun is None else ():
         if isinstance(name, ast.Name) and name.id == "DURATION":

@@ -95,11 +95,7 @@ def _flight(fly: Callable[..., Any], sim: Simulation, **arguments: Any) -> Any:
 
 
 def _through(
-    name: str,
-    usual: Callable[..., Any],
-    sim: Simulation,
-    call_arguments: dict[str, Any],
-    depth: int = 0,
+    name: str, usual: Callable[..., Any], sim: Simulation, values: dict[str, Any], depth: int = 0
 ) -> Any:
     """Call a method through the contexts of this thread, the innermost first."""
     running = vars(_running).setdefault("simulations", [])
@@ -107,14 +103,14 @@ def _through(
     if sim in running or depth == len(layers):
         running.append(sim)
         try:
-            return usual(sim, **call_arguments)
+            return usual(sim, **values)
         finally:
             running.remove(sim)
 
     def further(sim: Simulation, **arguments: Any) -> Any:
         return _through(name, usual, sim, arguments, depth + 1)
 
-    return layers[depth].around(further, sim, name, call_arguments)
+    return layers[depth].around(further, sim, name, values)
 
 
 @dataclass
@@ -132,10 +128,10 @@ def intercepted_runs(
     """Context in which ``begin`` is called before each run; it may change arguments, or raise."""
 
     def around(
-        usual: Callable[..., Any], sim: Simulation, name: str, arguments: dict[str, Any]
+        usual: Callable[..., Any], sim: Simulation, name: str, values: dict[str, Any]
     ) -> Any:
-        begin(RunStart(sim, name, arguments))
-        return usual(sim, **arguments)
+        begin(RunStart(sim, name, values))
+        return usual(sim, **values)
 
     return replaced_runs(around, *methods)
 
@@ -165,14 +161,14 @@ def with_progress() -> contextlib.AbstractContextManager[None]:
     """
 
     def around(
-        usual: Callable[..., Any], sim: Simulation, name: str, arguments: dict[str, Any]
+        usual: Callable[..., Any], sim: Simulation, name: str, values: dict[str, Any]
     ) -> Any:
         keep_warnings_visible()
         if sim.dt is not None:
             number("dt", positive("dt", sim.dt))
         warn_of_wiring(sim)
         # a simulation that logs shows its progress itself
-        return (usual if name == "fly" or sim.log else watched_run)(sim, **arguments)
+        return (usual if name == "fly" or sim.log else watched_run)(sim, **values)
 
     return replaced_runs(around)
 
@@ -197,14 +193,14 @@ def in_real_time() -> Iterator[Pace]:
     """Context in which ``Simulation.run`` and `fly` are PathSim's ``run_realtime``."""
     pace = Pace()
 
-    def around(_: Any, sim: Simulation, name: str, arguments: dict[str, Any]) -> dict[str, Any]:
-        if arguments["reset"]:
+    def around(_: Any, sim: Simulation, name: str, values: dict[str, Any]) -> dict[str, Any]:
+        if values["reset"]:
             # `run_realtime` would read its start time before resetting
             sim.reset()
         # unlike `run`, it does not restart a simulation that was stopped
         setattr(sim, ON, True)
-        duration, began, start = arguments["duration"], time.perf_counter(), sim.time
-        adaptive = arguments.get("adaptive", True)
+        duration, began, start = values["duration"], time.perf_counter(), sim.time
+        adaptive = values.get("adaptive", True)
         with progress_bar(duration) as bar:
             for _ in sim.run_realtime(duration, adaptive=adaptive, tickrate=_TICKS):
                 passed = sim.time - start

@@ -94,11 +94,7 @@ class Settings:
         )
 
     def _misplaced(
-        self,
-        name: Any,
-        tree: ast.Module,
-        constants: Collection[str],
-        calls_by_variable: Mapping[str, Any],
+        self, name: Any, tree: ast.Module, constants: Collection[str], calls: Mapping[str, Any]
     ) -> str:
         """Reason why the script does not offer a setting; empty if it does."""
         match = _NAME.fullmatch(name) if isinstance(name, str) else None
@@ -109,18 +105,16 @@ class Settings:
             if variable not in constants:
                 inside = [
                     f"{block}.{variable}"
-                    for block, calls in calls_by_variable.items()
-                    if any(k.arg == variable for call in calls for k in call.keywords)
+                    for block, own in calls.items()
+                    if any(k.arg == variable for call in own for k in call.keywords)
                 ]
                 reason = f"{self._script} has no constant {variable!r} that it assigns once"
-                names = [name for name in constants if name not in calls_by_variable]
-                return reason + (
-                    did_you_mean(inside) or _listed(variable, names, calls_by_variable)
-                )
+                names = [name for name in constants if name not in calls]
+                return reason + (did_you_mean(inside) or _listed(variable, names, calls))
             return "" if variable in used(tree) else f"{self._script} never uses it"
-        if not calls_by_variable.get(variable):
+        if not calls.get(variable):
             reason = f"{self._script} assigns no block to {variable!r}"
-            return reason + _listed(variable, calls_by_variable)
+            return reason + _listed(variable, calls)
         stored = (n for n in ast.walk(tree) if isinstance(n, ast.Attribute) and _is_stored(n))
         lines = [node.lineno for node in stored if ast.unparse(node) == name]
         return f"{self._script} sets it itself, in line {lines[0]}" if lines else ""

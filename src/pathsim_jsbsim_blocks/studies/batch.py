@@ -56,9 +56,8 @@ def run_batch(
         a seed written in the script has no effect.
         Or a function, called as ``build(**case)``, which builds the diagram, runs it, and returns
         its measurements as a dict of numbers or texts. A parameter ``seed`` receives the case's
-        seed; the generators of `random` and of ``numpy.random`` are always seeded with it. The
-        function is sent to other processes: it must not refer to outside objects such as an
-        aircraft
+        seed; the generators of `random` and ``numpy.random`` are always seeded with it. It is sent
+        to other processes, so it must not refer to outside objects such as an aircraft
     cases : dict, DataFrame or list of dicts
         the parameters of each case; a dict of lists means their product, the last one fastest; the
         progress bar shows the number: ``60 x 60 = 3,600 cases``. For pairs pass a list of dicts. A

@@ -166,11 +166,9 @@ def structure(condition: TrimCondition) -> tuple[Any, ...]:
 def requested(conditions: list[TrimCondition], points: list[dict[str, Any]]) -> dict[str, list]:
     """Columns of the requested values, with defaults for those missing from the grid."""
     names = {key for point in points for key in point}
-    shown_names = [
-        name for name in _COLUMNS if name in names or name in ("altitude", "speed", "gamma")
-    ]
+    names |= {"altitude", "speed", "gamma"}
     columns: dict[str, list] = {}
-    for name in shown_names:
+    for name in (name for name in _COLUMNS if name in names):
         values: list[Any] = [
             None if name == "speed" and condition.mach is not None else getattr(condition, name)
             for condition in conditions

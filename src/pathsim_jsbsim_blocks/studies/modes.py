@@ -74,9 +74,8 @@ def modes_over_speed(
     Raises
     ------
     ParameterError
-        before the work begins: speeds without an aircraft, an aircraft without speeds that has no
-        range in this study, impossible values, a file that cannot be written or belongs to another
-        study
+        before the work begins: speeds without an aircraft, an aircraft that needs speeds, values
+        that are impossible, a file that cannot be written or belongs to another study
     AircraftError
         before the work begins: unknown aircraft
     """
@@ -86,8 +85,7 @@ def modes_over_speed(
         refuse("speeds", speeds, "speeds need an aircraft: aircraft=NAME")
     if aircraft is not None and speeds is None and aircraft not in _SWEEPS:
         Airframe(aircraft)
-        sweeps = " and ".join(_SWEEPS)
-        why = f"{aircraft!r} needs speeds=...; the study has its own only for {sweeps}"
+        why = f"{aircraft!r} needs speeds=...; the study has its own for {' and '.join(_SWEEPS)}"
         refuse("speeds", None, why)
     airspeeds = None if speeds is None else [number("speeds", x, above=0.0) for x in speeds]
     points = [

@@ -254,10 +254,9 @@ def _moved(model: Mapping[str, Any], condition: TrimCondition) -> dict[str, Any]
         return {"condition": condition, "faults": (_fault("commands", str(error), "trim"),)}
     own = " (the model writes it itself)"
     idle = [
-        f"{effect.properties[0]} has no effect on {effect.acceleration}"
-        f"{own * effect.written_by_model}"
-        for effect in effects
-        if not effect.moves
+        f"{e.properties[0]} has no effect on {e.acceleration}{own * e.written_by_model}"
+        for e in effects
+        if not e.moves
     ]
     turned = [
         f"{effect.properties[0]} changes {effect.acceleration} with the opposite sign"
