@@ -323,7 +323,7 @@ class MissingExtraError(BlocksError, ImportError):
 
 
 class DaveMLError(BlocksError, ValueError):
-    """A DAVE-ML file is malformed, or a variable of it has no value.
+    """A DAVE-ML file is malformed, or one of its variables has no value.
 
     Attributes
     ----------

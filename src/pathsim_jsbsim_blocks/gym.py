@@ -201,7 +201,7 @@ class DiagramEnv(gymnasium.Env):
             refuse("step", step, f"step must be a multiple of dt = {dt:.9g} s, not {step:.9g} s")
 
     def _wire(self) -> None:
-        """Connect the actions to the diagram in place of the connections to their ports."""
+        """Connect the actions to the diagram, replacing the connections to their ports."""
         sim, ends = self.simulation, [(block, i) for block, _, i in self._actions.ports]
         replaced = []
         for name, end in zip(self._actions.names, ends, strict=True):

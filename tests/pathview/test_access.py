@@ -409,7 +409,7 @@ def test_a_name_that_the_page_takes_for_html_is_refused(name, place, tmp_path):
         ]
     path = tmp_path / "model.pvm"
     path.write_text(json.dumps(content))
-    with pytest.raises(DiagramError, match="holds HTML") as caught:
+    with pytest.raises(DiagramError, match="has HTML") as caught:
         view(path, browser=False)
     assert repr(name) in str(caught.value)
 

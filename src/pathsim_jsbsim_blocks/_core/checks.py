@@ -20,7 +20,7 @@ Checked = TypeVar("Checked", bound=type)
 
 
 def refuse(parameter: str, value: Any, why: str) -> NoReturn:
-    """Raise ParameterError, in place of the exception being handled if there is one."""
+    """Raise ParameterError, replacing an exception that is being handled."""
     raise ParameterError(why, parameter=parameter, value=value) from None
 
 

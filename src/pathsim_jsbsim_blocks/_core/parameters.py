@@ -1,4 +1,4 @@
-"""Parameters of blocks: fields of the standard library's dataclass, with a check beside each.
+"""Parameters of blocks: fields of the standard library's dataclass, each with a check.
 
     @dataclass(eq=False)
     class Gain(Parametric):

@@ -391,7 +391,7 @@ class FlightBlock(Parametric, SampledPlant):
         raise CopyError(why, block=name, aircraft=aircraft)
 
     def reset(self) -> None:
-        """Fly the same flight again, with an aircraft that is loaded anew.
+        """Repeat the flight with a freshly loaded aircraft.
 
         Parameters that were set act from here on. If the model can no longer be loaded or trimmed,
         because its files have changed, this raises and the aircraft continues its flight.

@@ -29,8 +29,8 @@ _LEVELS = {
 _install_lock = threading.Lock()
 
 # JSBSim holds references to the logger and to the members of two enumerations for each thread. It
-# drops them without the GIL when the thread ends: a count that two threads change at once comes out
-# wrong (measured: one in 20,000 threads). With spare references none is freed while in use.
+# drops them without the GIL when the thread ends, so two threads may corrupt a reference count
+# (measured: one in 20,000 threads). With spare references no object is freed while in use.
 _SPARE_REFERENCES = 100
 _kept: set[int] = set()
 

@@ -72,7 +72,7 @@ class _Part(NamedTuple):
 
 
 def engines_of(model: Path, number: int) -> tuple[Engine, ...]:
-    """The engines of the model of a file, of which JSBSim has loaded so many."""
+    """The engines in a model's file, of which JSBSim has loaded ``number``."""
     try:
         parts, file = _parts(model, model.stat().st_mtime_ns)
         if file:

@@ -71,7 +71,7 @@ def level_flight(
     solver : str, optional
         as in `TrimCondition`
     create : dict or "missing", optional
-        as of `Airframe`
+        as for `Airframe`
 
     Raises
     ------
@@ -112,9 +112,9 @@ def first_trim(
             first = first or error
     assert first is not None
     others = len(tries) - 1
-    elsewhere = f" and at {others} other conditions" if others else ""
-    sought = "glide" if fields["mode"] == "glide" else "level flight"
-    raise first.reworded(f"no {sought}: {first} (tried there{elsewhere})")
+    elsewhere = f" (nor at {others} other conditions)" if others else ""
+    flight = "glide" if fields["mode"] == "glide" else "level flight"
+    raise first.reworded(f"no {flight}: {first}{elsewhere}")
 
 
 def prepared(

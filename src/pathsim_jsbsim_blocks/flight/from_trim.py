@@ -37,6 +37,6 @@ def twin(flown: Flyable) -> Any:
 
 
 def trim_here(flown: Flyable, changes: Mapping[str, Any]) -> TrimState:
-    """Trim the present flight with changes of its condition, as of `FlightBlock.trim_here`."""
+    """Trim the present flight with changes of its condition; see `FlightBlock.trim_here`."""
     condition = present_condition(flown.airframe, flown.trim.condition, flown.setup, changes)
     return trim(flown.airframe.twin(), condition)

@@ -82,14 +82,14 @@ def model_of(
     outputs: Sequence[str] | None,
     amplitude: Mapping[str, float] | None,
 ) -> LinearModel:
-    """Linear model about the trim of a block, as of `FlightBlock.linear_model`."""
+    """Linear model about the trim of a block; see `FlightBlock.linear_model`."""
     from ..linear import jsbsim
 
     return jsbsim.model_about_trim(block, method, inputs, outputs, amplitude)
 
 
 def response_of(block: Flyable, input: str, increments: Sequence[float], output: str) -> np.ndarray:
-    """An output over increments on an input, as of `FlightBlock.response`."""
+    """An output over increments on an input; see `FlightBlock.response`."""
     from ..linear import jsbsim
 
     return jsbsim.response(block, input, increments, output)

@@ -18,7 +18,7 @@ def listed(parameter: str, names: Sequence[str] | None) -> list[str]:
 
 
 def behind(name: str, short: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """The properties that a name stands for; itself if it is not a short one."""
+    """The properties of a short name; any other name is returned as it is."""
     index = re.search(r"\[(\d+)\]$", name)
     if index is None:
         return short.get(name, (name,))

@@ -116,7 +116,7 @@ class Code:
         if _STAND_IN.search(text) and not text.startswith("lambda"):
             if isinstance(value, types.MethodType):
                 return f"lambda *args: {text}(*args)"
-            raise Unwritable(f"{_short(value)} holds blocks")
+            raise Unwritable(f"{_short(value)} contains blocks")
         return one_line(text)
 
     def expression(self, value: Any, wish: str) -> str:
@@ -490,7 +490,7 @@ class Code:
         self._needs.pop()
         later.text = "\n".join(lines)
         if _STAND_IN.search(piece.text):
-            raise Unwritable(f"{_short(value)} holds blocks")
+            raise Unwritable(f"{_short(value)} contains blocks")
         if lines:
             self._states.append(later)
 

@@ -63,7 +63,7 @@ def is_data(value: Any) -> bool:
 
 
 class Expressions:
-    """Which expressions and assignments of a script may stand in its model."""
+    """Tells which expressions and assignments of a script may be used in its model."""
 
     def __init__(self, script: FirstRun):
         self._script = script

@@ -17,7 +17,7 @@ _ADDRESS = re.compile(r"(https?://|mailto:)[^\s\"']*", re.IGNORECASE)
 
 
 def refuse_markup(content: Json, path: Path) -> None:
-    """Refuse a name with HTML beside a formula, and a note with a link that is not to the web."""
+    """Refuse a name with HTML beside a formula, and a note with a link to anything but the web."""
     named, addresses = [*(content.get("events") or [])], []
     for graph in graphs(content):
         named += [*(graph.get("nodes") or []), *(graph.get("events") or [])]
@@ -27,7 +27,7 @@ def refuse_markup(content: Json, path: Path) -> None:
         ports = [*part.get("inputs", []), *part.get("outputs", [])]
         for text in [part["name"], *(port.get("name") or "" for port in ports)]:
             if _FORMULA.search(text) and _TAG.search(_FORMULA.sub("", text)):
-                raise DiagramError(f"the name {text!r} holds HTML beside a formula", path=path)
+                raise DiagramError(f"the name {text!r} has HTML beside a formula", path=path)
     for address in addresses:
         if not _ADDRESS.fullmatch(address):
             raise DiagramError(f"an annotation's link is not a web address: {address!r}", path=path)

@@ -55,7 +55,7 @@ _DEEP = 100  # levels of lists and objects: 30 nested subsystems
 
 
 def with_parts(content: Json, part: Callable[[Json], Json]) -> Json:
-    """A model with ``part(old)`` in place of each block and event, on all levels."""
+    """A model in which ``part(old)`` replaces each block and event, on all levels."""
 
     def node(old: Json) -> Json:
         new = dict(part(old))

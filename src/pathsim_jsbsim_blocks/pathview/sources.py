@@ -96,7 +96,7 @@ def with_comments(part: SourceNode, text: str) -> str:
 
 
 def text_of(part: SourceNode, new: Mapping[ast.AST, str] = {}, decorated: bool = False) -> str:
-    """The source of a node, with other text in place of some nodes in it.
+    """The source of a node, with some nodes in it replaced by text.
 
     It is as written, unless a string in it spans lines: PathView indents the code before running
     it, which would change that string.
@@ -142,7 +142,7 @@ def one_line(text: str) -> str:
 
 
 def _rebuilt(value: Any, new: Mapping[ast.AST, str], instead: Mapping[str, Any] = {}) -> Any:
-    """A copy of a syntax tree with other text in place of some nodes."""
+    """A copy of a syntax tree with some nodes replaced by text."""
     if isinstance(value, list):
         return [_rebuilt(item, new) for item in value]
     if not isinstance(value, ast.AST):

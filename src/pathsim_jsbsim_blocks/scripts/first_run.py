@@ -229,7 +229,7 @@ class FirstRun(Script):
         return max(mentions, key=lambda n: n.lineno, default=None)
 
     def is_beside(self, module: str) -> bool:
-        """Whether a module is the script, or a file beside it, which a model does not have."""
+        """Whether a module is the script or in its folder, which a model cannot import."""
         return module == "__main__" or is_beside(self.path.resolve().parent, module)
 
     def file_of(self, module: str) -> tuple[str, dict[str, Any]]:

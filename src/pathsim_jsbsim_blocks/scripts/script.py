@@ -172,7 +172,7 @@ def main_program(path: Path, name: str = "__main__") -> Iterator[types.ModuleTyp
             yield module
         finally:
             sys.modules.pop(name, None)
-            # another script may have other modules of the same names beside it
+            # unload them: another script's folder may have other modules of the same names
             for imported in list(sys.modules):
                 if imported.partition(".")[0] not in before and is_beside(folder, imported):
                     del sys.modules[imported]

@@ -103,7 +103,7 @@ def aoa_vs_cas_loading(
     Returns
     -------
     pandas.DataFrame
-        that of `trim_sweep`, and in front of it ``cg_shift_percent``, of the fuselage station of
+        that of `trim_sweep`, preceded by ``cg_shift_percent``, of the fuselage station of
         the empty-weight CG and aft positive, and ``weight_case``
     """
     cg_x = empty_weight_cg("global5000")[0]
@@ -154,7 +154,7 @@ def thrust_vectoring(
     Returns
     -------
     pandas.DataFrame
-        that of `trim_sweep`, and in front of it ``case`` and ``thrust_angle_deg``
+        that of `trim_sweep`, preceded by ``case`` and ``thrust_angle_deg``
 
     References
     ----------

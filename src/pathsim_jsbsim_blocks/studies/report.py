@@ -54,7 +54,7 @@ class Fault(NamedTuple):
 
 @dataclass(frozen=True)
 class AircraftReport:
-    """The first look at a model, as of `aircraft_report`; its text is one screen.
+    """The result of `aircraft_report`; its text fits on one screen.
 
     Attributes
     ----------

@@ -67,7 +67,7 @@ def trim_sweep(
     create : dict or "missing", optional
         properties that the model expects from outside, as for `Airframe`
     chunk : int
-        points that a worker takes at once, rounded up to whole chains of 20
+        points that a worker processes together, rounded up to whole chains of 20
     jobs : int
         worker processes, at most 1024, -1 for all cores; under ``joblib.parallel_config("dask")``
         the cluster's workers are used instead

@@ -156,7 +156,7 @@ class TrimCondition:
         is refused in flight below 200 ft above the ground (it may end the process) and with
         constant-speed propellers (it may never end)
     coordinated : bool
-        in a turn let the sideslip free so that no lateral acceleration is left, in place of a turn
+        in a turn leave the sideslip free to remove the lateral acceleration, instead of a turn
         without sideslip whose rate is free (mode "turn", Newton search). Some models have no
         coordinated turn (T37)
 
