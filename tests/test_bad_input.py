@@ -325,7 +325,7 @@ def test_a_command_in_degrees_or_percent_is_told_once(port, value):
     plane, source = Aircraft("c172p", altitude=5000, speed=90), Constant(value)
     sim = Simulation([plane, source], [Connection(source, plane[port])], dt=1 / 120, log=False)
     with pytest.warns(
-        RuntimeWarning, match=f"{value:g} at '{port}' is more than the whole"
+        RuntimeWarning, match=f"{value:g} at '{port}' exceeds the full"
     ) as all_:
         sim.run(0.1)
     sim.reset()

@@ -249,7 +249,7 @@ def test_the_cg_really_moves_and_the_installed_model_stays():
             "c172x",
             {"altitude": 0, "mode": "ground", "wind_north": -150},
             "height",
-            "the height ran",
+            "the height reached",
         ),
     ],
 )
@@ -405,7 +405,7 @@ def test_a_model_without_alpha_limits_has_those_of_jsbsims_trim():  # FGTrimAxis
 
 
 def test_a_trim_far_from_the_ground_needs_no_rehearsal(monkeypatch):
-    monkeypatch.setattr(search, "rehearse", None)
+    monkeypatch.setattr(search, "run_in_fork", None)
     assert found("c172p", altitude=5000, speed=90).alpha > 0
 
 
