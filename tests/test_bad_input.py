@@ -324,9 +324,7 @@ def test_a_port_is_found_by_what_it_is_called_elsewhere(block, called, port):
 def test_a_command_in_degrees_or_percent_is_told_once(port, value):
     plane, source = Aircraft("c172p", altitude=5000, speed=90), Constant(value)
     sim = Simulation([plane, source], [Connection(source, plane[port])], dt=1 / 120, log=False)
-    with pytest.warns(
-        RuntimeWarning, match=f"{value:g} at '{port}' exceeds the full"
-    ) as all_:
+    with pytest.warns(RuntimeWarning, match=f"{value:g} at '{port}' exceeds the full") as all_:
         sim.run(0.1)
     sim.reset()
     sim.run(0.05)
