@@ -183,7 +183,7 @@ def test_a_wire_from_a_receiver_that_is_missing_is_named():
         Connection(plane[own], hold[own]),
         Connection(hold["elevator"], plane["elevator"]),
     ]
-    with pytest.warns(RuntimeWarning, match="where no wire comes in: gs_deg, gs_ft$"):
+    with pytest.warns(RuntimeWarning, match="at unconnected inputs: gs_deg, gs_ft$"):
         fly(Simulation([plane, receiver, hold], wires, dt=T, log=False), 0.1)
 
 
@@ -486,7 +486,7 @@ def test_without_wheels_to_feel_a_landing_warns():
         Connection(zero, flare["loc_ft"], flare["loc_dist"]),
         Connection(flare[driven], plane[driven]),
     ]
-    with pytest.warns(RuntimeWarning, match="where no wire comes in: wow$"):
+    with pytest.warns(RuntimeWarning, match="at unconnected inputs: wow$"):
         fly(Simulation([plane, flare, zero], wires, dt=T, log=False), 0.1)
 
 

@@ -28,7 +28,7 @@ def limits(block, t=0.0):
         block.to_statespace(t)
     texts = [str(w.message) for w in caught if "is at a limit" in str(w.message)]
     assert len(texts) == len(caught) <= 1
-    return texts[0].split("linear model there ")[1].split(" does")[0] if texts else ""
+    return texts[0].split("linear model ")[1].split(" has no")[0] if texts else ""
 
 
 def run(block, duration=2.0, **values):

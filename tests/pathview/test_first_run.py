@@ -126,7 +126,7 @@ REFUSED = {
             names="a",
         ),
         10,
-        "runs ahead of the clock in a function: use Aircraft or JSBSimFDM",
+        "in a function JSBSim runs ahead of the clock: use Aircraft",
     ),
     "core block that PathView lacks": (
         script("a = Comparator()"),
@@ -156,7 +156,7 @@ REFUSED = {
     "not listed": (
         script(f"{BLOCK}\nb = Scope()", "Connection(a, b)", names="a"),
         None,
-        "'b' is wired but not in the list",
+        "'b' is connected but not in the list",
     ),
     "twice": (
         script(BLOCK, names="Subsystem([Interface(), a]), a"),

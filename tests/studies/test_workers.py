@@ -139,7 +139,7 @@ def test_a_worker_killed_from_outside_costs_nothing(tmp_path):
             os.kill(os.getpid(), signal.SIGKILL)
         return [{"square": y * y} for y in part]
 
-    with pytest.warns(RuntimeWarning, match=r"were under way: .*point 3 to point 5"):
+    with pytest.warns(RuntimeWarning, match=r"computed these points: .*point 3 to point 5"):
         rows = run(work, PARTS)
     assert rows == SQUARES
 
