@@ -172,7 +172,7 @@ REFUSED = {
     "error": ("x = 1\ny = x / 0", 2, "script fails: ZeroDivisionError"),
     "exit": ("import sys\nsys.exit(3)", 2, "script fails: SystemExit"),
     "syntax": ("x = (", 1, "not Python"),
-    "no simulation": ("x = 1", None, "runs no Simulation"),
+    "no simulation": ("x = 1", None, "neither runs a Simulation"),
     "several simulations": (
         "from pathsim import Simulation\na = Simulation(log=False)\nb = Simulation(log=False)",
         None,
