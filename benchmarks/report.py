@@ -32,7 +32,7 @@ def _machine():
 
 HEADER = (
     f"{_machine()}\n"
-    f"{'what':<50} {'peer':<44} {'ours':>10} {'peer':>10} {'ours/peer':>10} {'target':>8}"
+    f"{'what':<50} {'peer':<44} {'ours':>10} {'peer':>10} {'ours/peer':>10} {'target':>10}"
 )
 
 
@@ -46,19 +46,22 @@ def row(what, peer, ours, others, unit, most=None, package=None):
         times in s, measured in turn: one ratio is formed from each pair
     unit : str
         "s", "ms" or "us"
-    most : float, optional
-        the ratio that is the target
+    most : float or (float, float), optional
+        the ratio that is the target; a pair where it depends on the machine: the range measured
     package : str, optional
         the package that the peer comes from; its version is shown
     """
     scale = {"s": 1.0, "ms": 1e3, "us": 1e6}[unit]
     ratio = statistics.median(a / b for a, b in zip(ours, others, strict=True))
-    target = "" if most is None else f"<= {most:.2f}"
+    if isinstance(most, tuple):
+        target = f"{most[0]:.1f} to {most[1]:.1f}"
+    else:
+        target = "" if most is None else f"<= {most:.2f}"
     if package is not None:
         release = f"{package} {version(package)}"
         peer = release if peer == package else f"{peer} ({release})"
     print(
         f"{what:<50} {peer:<44} {scale * statistics.median(ours):>7.2f} {unit:<2} "
-        f"{scale * statistics.median(others):>7.2f} {unit:<2} {ratio:>10.2f} {target:>8}",
+        f"{scale * statistics.median(others):>7.2f} {unit:<2} {ratio:>10.2f} {target:>10}",
         flush=True,
     )

@@ -21,20 +21,3 @@ EXPORTED = ("aileron_turn", "autopilot_mission", "elevator_doublet", "pitch_hold
 def bounded(usual, full):
     """The usual number, or the full one where ``PATHSIM_JSBSIM_LONG`` is ``full``."""
     return full if os.environ.get("PATHSIM_JSBSIM_LONG") == "full" else usual
-
-
-def each(cases):
-    """One test of all cases, where thousands of a millisecond would take as long as flights."""
-
-    def of_all(test):
-        def one():
-            for case in cases:
-                try:
-                    test(case)
-                except Exception as error:
-                    raise AssertionError(f"{case}: {error}") from error
-
-        one.__name__, one.__doc__ = test.__name__, test.__doc__
-        return one
-
-    return of_all

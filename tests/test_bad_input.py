@@ -220,11 +220,13 @@ def test_other_spellings_of_a_property_are_the_property():
 
 def test_ports_that_do_not_exist():
     block = fdm(**inputs("fcs/elevator-cmd-norm"), **outputs(THETA, "aero/alpha-deg"))
-    with pytest.raises(ParameterError, match="has no port 'alpha'"):
+    with pytest.raises(ParameterError) as error:
         block[["aero/alpha-deg", "alpha"]]
+    assert (error.value.parameter, error.value.value) == ("port", "alpha")
     for key in (2, slice(0, 3), (0, 7)):
-        with pytest.raises(ParameterError, match="JSBSimFDM has 1 inputs and 2 outputs, no port"):
+        with pytest.raises(ParameterError) as error:
             block[key]
+        assert error.value.parameter == "port"
 
 
 def test_ports_of_the_wrong_direction():
@@ -234,8 +236,9 @@ def test_ports_of_the_wrong_direction():
     # PathSim lets an input register grow
     source = Constant(0.1)
     sim = Simulation([source, block], [Connection(source, block[1])], dt=block.T, log=False)
-    with pytest.raises(ParameterError, match="input port 1 of JSBSimFDM is wired"):
+    with pytest.raises(ParameterError) as error:
         sim.run(0.1)
+    assert (error.value.parameter, error.value.value) == ("inputs", 2)
 
 
 @pytest.mark.parametrize("value", [NAN, -math.inf])
@@ -294,14 +297,16 @@ def test_a_state_that_is_not_a_number_ends_the_flight_whatever_is_shown(shown):
     sim = Simulation([block], dt=block.T, log=False)
     sim.run(0.5)
     block.fdm["fcs/elevator-cmd-norm"] = math.nan
-    with pytest.raises(FlightError, match="aircraft 'A4': state 'velocities/vt-fps' is nan"):
+    with pytest.raises(FlightError) as error:
         sim.run(0.5)
+    assert error.value.name == "velocities/vt-fps"
     assert block.samples < 63
 
 
 def test_more_fuel_than_a_tank_holds_is_refused():
-    with pytest.raises(ParameterError, match=r"tank\[1\].* 1000.* holds 185 lb"):
+    with pytest.raises(ParameterError) as error:
         Aircraft("c172p", condition=TrimCondition(speed=90, fuel=[100, 1000]))
+    assert (error.value.parameter, error.value.value) == ("setup", 1000.0)
 
 
 @pytest.mark.parametrize(
@@ -349,8 +354,9 @@ def test_a_crash_that_stays_finite_ends_the_flight_too(altitude, elevator):
     sim = Simulation(
         [plane, command], [Connection(command, plane["elevator"])], dt=plane.T, log=False
     )
-    with pytest.raises(FlightError, match=r"crashed, load factor .* at t =") as error:
+    with pytest.raises(FlightError) as error:
         sim.run(60.0)
+    assert error.value.name == "accelerations/Nz"
     assert plane.outputs["h"] < 10.0
     assert abs(error.value.value) > 50.0
 

@@ -2,12 +2,9 @@
 
 import ast
 import csv
-import errno
-import io
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 
@@ -123,17 +120,6 @@ def test_a_script_behind_a_link_imports_what_lies_beside_it(tmp_path, capsys):
     assert capsys.readouterr().out == "flown\n"
 
 
-@pytest.mark.long
-def test_a_terminal_that_lacks_a_letter_gets_its_number(tmp_path):
-    script = tmp_path / "mine.py"
-    script.write_text("print('\u03b1')\n", encoding="utf-8")
-    command = [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "run", str(script)]
-    ended = subprocess.run(
-        command, capture_output=True, text=True, env={**os.environ, "PYTHONIOENCODING": "ascii"}
-    )
-    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "\\u03b1\n", "")
-
-
 def test_every_figure_is_saved(tmp_path, capsys):
     save = ["--duration", "1", "--save", str(tmp_path / "a")]
     assert main(["run", "aileron_turn", *save]) == 0
@@ -235,27 +221,6 @@ def test_what_was_recorded_before_a_run_stopped_is_saved(stop, status, text, run
     assert len(err) == 1 or (err[0].startswith("Traceback") and "cli/runs.py" not in "".join(err))
 
 
-@pytest.mark.long
-def test_a_flight_that_is_interrupted_by_the_user_is_saved(tmp_path):
-    script, signals = tmp_path / "mine.py", tmp_path / "a.csv"
-    script.write_text(STOPPED.format(stop="import time; print(t, flush=True); time.sleep(60)"))
-    command = [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "run", str(script)]
-    with subprocess.Popen(
-        [*command, "--csv", str(signals)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        # ignored where the tests themselves run in the background
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    ) as process:
-        process.stdout.readline()
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert err == ("pathsim-jsbsim: interrupted; the recording until t = 0.5 s is saved\n")
-    assert len(signals.read_text().splitlines()) == 4
-
-
 def test_sys_exit_is_an_ordinary_end(run, tmp_path):
     with pytest.raises(SystemExit) as end:
         run(SCRIPT + "sys.exit(3)\n")
@@ -298,33 +263,6 @@ def test_a_full_disk_is_named_and_the_other_file_is_written(full, run, tmp_path,
     )
     (other,) = {"a.csv", "a.png"} - {full}
     assert (tmp_path / other).stat().st_size > 50
-
-
-def test_output_that_does_not_fit_on_the_disk(monkeypatch, capsys):
-    class Full(io.StringIO):
-        def flush(self):
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    with monkeypatch.context() as patch:
-        patch.setattr(sys, "stdout", Full())
-        assert main(["list"]) == 1
-    assert capsys.readouterr().err == "pathsim-jsbsim: the output: No space left on device\n"
-
-
-def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, capsys, monkeypatch):
-    # root may write everywhere, so the refusal is the one of a file system that is read-only
-    def refuse(self, *args, **options):
-        raise OSError(30, "Read-only file system")
-
-    script = tmp_path / "mine.py"
-    script.write_text("print('flown')\n")
-    for option, name in (("--csv", "a.csv"), ("--save", "a.png")):
-        with monkeypatch.context() as patch:
-            patch.setattr("pathlib.Path.open", refuse)
-            assert main(["run", str(script), option, str(tmp_path / name)]) == 1
-        out, err = capsys.readouterr()
-        assert out == ""
-        assert err.endswith(f"{name}': Read-only file system\n")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a directory in use cannot be deleted")

@@ -10,7 +10,6 @@ import pkgutil
 import re
 
 import pytest
-from how_many import each
 from package_source import SOURCE, nodes
 from pathsim.blocks import Block
 
@@ -85,7 +84,7 @@ def test_dir_shows_the_public_names_and_no_others():
     )
 
 
-@each(BLOCKS)
+@pytest.mark.parametrize("name", BLOCKS)
 def test_a_port_that_does_not_exist_is_refused(name):
     block = made(name)
     with pytest.raises(ParameterError, match="no port 'no_such_port'"):
@@ -101,7 +100,7 @@ def test_a_port_that_does_not_exist_is_refused(name):
                 ports[f"{known}_"] = 1.0
 
 
-@each(PUBLIC)
+@pytest.mark.parametrize("name", PUBLIC)
 def test_a_public_name_has_a_one_line_summary(name):
     summary, _, rest = inspect.getdoc(PUBLIC[name]).partition("\n")
     assert 10 < len(summary) <= 120
@@ -109,7 +108,7 @@ def test_a_public_name_has_a_one_line_summary(name):
     assert rest == "" or rest.startswith("\n")
 
 
-@each([*BLOCKS, *DATA])
+@pytest.mark.parametrize("name", [*BLOCKS, *DATA])
 def test_parameters_are_documented_and_no_others(name):
     text = inspect.getdoc({**BLOCKS, **DATA}[name])
     titles = ["Attributes"] if name == "TrimState" else ["Parameters", "Other Parameters"]
@@ -120,7 +119,7 @@ def test_parameters_are_documented_and_no_others(name):
     assert found == set(parameters({**BLOCKS, **DATA}[name]))
 
 
-@each([n for n in BLOCKS if n not in ("JSBSimFDM", "DaveML")])
+@pytest.mark.parametrize("name", [n for n in BLOCKS if n not in ("JSBSimFDM", "DaveML")])
 def test_ports_are_documented(name):
     block = BLOCKS[name]
     text = inspect.getdoc(block)
@@ -128,7 +127,7 @@ def test_ports_are_documented(name):
     assert documented(section(text, "Outputs")) == set(block.output_port_labels)
 
 
-@each(BLOCKS)
+@pytest.mark.parametrize("name", BLOCKS)
 def test_parameters_are_set_by_name_and_no_others(name):
     block = made(name)
     block.set(**{parameter: getattr(block, parameter) for parameter in parameters(BLOCKS[name])})
@@ -137,7 +136,7 @@ def test_parameters_are_set_by_name_and_no_others(name):
             block.set(**{f"{parameter}_": 1.0})
 
 
-@each(BLOCKS)
+@pytest.mark.parametrize("name", BLOCKS)
 def test_parameters_are_kept_as_attributes(name):
     block = made(name)
     for parameter in parameters(BLOCKS[name]):
@@ -168,7 +167,7 @@ def test_a_misspelt_keyword_is_known_with_its_value():
     assert (type(again), str(again)) == (KeywordError, str(error.value))
 
 
-@each(BLOCKS)
+@pytest.mark.parametrize("name", BLOCKS)
 def test_port_names_can_be_told_apart_in_the_editor(name):
     for side in ("input_port_labels", "output_port_labels"):
         ports, shown = getattr(BLOCKS[name], side), BLOCKS[name].info()[side]

@@ -12,7 +12,6 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 from all_holds import HOLDS
-from how_many import each
 
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.catalogue import (
@@ -211,7 +210,7 @@ MODULES = [
 SLOW = f"{package.__name__}.design.designed"
 
 
-@each([name for name in MODULES if name != SLOW])
+@pytest.mark.parametrize("name", [name for name in MODULES if name != SLOW])
 def test_docstring_examples(name):
     assert doctest.testmod(importlib.import_module(name)).failed == 0
 

@@ -55,5 +55,6 @@ def test_extreme_parameters_are_refused_or_the_outputs_are_finite(block):
 def test_a_crossover_altitude_that_there_is_not():
     for cas, mach in ((100.0, 5e-324), (1e300, 1e-300), (1e-300, 0.5), (100.0, 1e300)):
         for form in (float, lambda x: np.array([x])):
-            with pytest.raises(ParameterError, match="no altitude has a CAS of"):
+            with pytest.raises(ParameterError) as error:
                 crossover_altitude(form(cas), form(mach))
+            assert error.value.parameter == "mach"

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from how_many import bounded
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Constant, Integrator, RandomNumberGenerator, Scope, WhiteNoise
 from pathsim.solvers import RKCK54
@@ -196,8 +195,9 @@ def test_a_second_environment_on_a_simulation_is_refused():
     env = make_env(sim, action=ELEVATOR, **given)
     before = flown(env)
     for action in (ELEVATOR, {"plane.rudder": (-1, 1)}):
-        with pytest.raises(ParameterError, match="is an environment already: build another one"):
+        with pytest.raises(ParameterError) as error:
             make_env(sim, action=action, wired="replace", **given)
+        assert error.value.parameter == "diagram"
     assert np.array_equal(flown(env), before)
 
 
@@ -211,8 +211,9 @@ def test_dt_is_changed_between_episodes_only():
     env.simulation.dt = 1 / 120
     env.step([0.1])
     env.simulation.dt = 0.02
-    with pytest.raises(ParameterError, match=r"step must be a multiple of dt = 0\.02"):
+    with pytest.raises(ParameterError) as error:
         env.reset()
+    assert (error.value.parameter, error.value.value) == ("step", 0.05)
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.step([0.1])
     env.simulation.dt = 1 / 240
@@ -265,8 +266,9 @@ def test_what_varies():
     (speed, height), info = env.reset(options={"plane.speed": 85.0})
     assert speed == pytest.approx(85, abs=1e-6)
     assert info["varied"] == {"plane.speed": 85.0, "plane.altitude": pytest.approx(height)}
-    with pytest.raises(ParameterError, match=r"'plane\.speed'"):
+    with pytest.raises(ParameterError) as error:
         env.reset(options={"plane.sped": 85.0})
+    assert (error.value.parameter, error.value.value) == ("options", "plane.sped")
 
 
 def test_a_variable_of_a_script_is_varied_by_building_it_again(tmp_path):
@@ -284,8 +286,10 @@ def test_a_variable_of_a_script_is_varied_by_building_it_again(tmp_path):
         seen, info = env.reset(seed=seed)
         assert seen[0] == pytest.approx(info["varied"]["SPEED"] + 1.0, abs=1e-6)
     env.step([0.0])
-    with pytest.raises(SettingError, match="did you mean 'SPEED'"):
+    with pytest.raises(SettingError) as error:
         make_env(script, vary={"SPED": (80, 95)}, **given)
+    assert error.value.parameter == "SPED"
+    assert "'SPEED'" in str(error.value)
 
 
 def test_a_wire_into_an_action_is_refused_or_replaced():
@@ -367,8 +371,9 @@ def test_bad_input_is_refused(options, said):
 def test_bad_actions_are_refused(action):
     env = bare()
     env.reset()
-    with pytest.raises(ParameterError, match="action must be a list of 1 finite numbers"):
+    with pytest.raises(ParameterError) as error:
         env.step(action)
+    assert error.value.parameter == "action"
     env.step([0.0])
 
 
@@ -377,13 +382,17 @@ def test_diagrams_that_cannot_be_environments():
     given = {"action": ELEVATOR, "observation": PITCH, "reward": level}
     for block in (dice, Subsystem([Interface(), dice], [])):
         random = Simulation([plane, block], [], dt=1 / 120, log=False)
-        with pytest.raises(ParameterError, match="RandomNumberGenerator draws from NumPy's glo"):
+        with pytest.raises(ParameterError) as error:
             make_env(random, **given)
+        assert error.value.parameter == "diagram"
     adaptive = Simulation([plane], [], dt=1 / 120, Solver=RKCK54, log=False)
-    with pytest.raises(ParameterError, match="fixed step"):
+    with pytest.raises(ParameterError) as error:
         make_env(adaptive, **given)
-    with pytest.raises(ParameterError, match="did you mean 'pitch_hold'"):
+    assert error.value.parameter == "diagram"
+    with pytest.raises(ParameterError) as error:
         make_env("pitch_hld", **given)
+    assert (error.value.parameter, error.value.value) == ("name", "pitch_hld")
+    assert "'pitch_hold'" in str(error.value)
     del plane
     with pytest.raises(ParameterError, match="or of the caller of make_env"):
         make_env(Simulation([Aircraft()], [], dt=1 / 120, log=False), **given)
@@ -421,16 +430,3 @@ def test_a_reset_that_fails_ends_the_episode():
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.step([0.0])
     assert np.array_equal(flown(env, seed=1), first)
-
-
-@pytest.mark.long
-def test_resets_do_not_grow():
-    resource = pytest.importorskip("resource")
-    env, count = bare(), bounded(2500, 10_000)
-    for k in range(count):
-        env.reset(seed=k)
-        env.step([0.1])
-        if k == count // 5:
-            before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    assert after - before < 0.4096 * count  # kB

@@ -1,13 +1,11 @@
 """The commands that teach: the course copied to a folder, the manual pages of blocks."""
 
 import contextlib
-import errno
 import inspect
 import json
 import os
 import re
 import sys
-from pathlib import Path
 
 import pytest
 from how_many import first
@@ -63,22 +61,6 @@ def test_without_jupyterlab_the_extra_is_named_and_the_chapters_are_there(
     assert main(["course", str(tmp_path / "course")]) == 1
     assert "pathsim-jsbsim-blocks[course]" in capsys.readouterr().err
     assert len(chapters(tmp_path / "course")) == CHAPTERS
-
-
-def test_a_full_disk_leaves_no_cut_notebook(tmp_path, monkeypatch, capsys):
-    write = Path.write_bytes
-
-    def full(path, content):
-        write(path, content[: len(content) // 2])
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
-
-    monkeypatch.setattr(Path, "write_bytes", full)
-    assert main(["course", str(tmp_path), "--no-open"]) == 1
-    assert "01_hello.ipynb': No space left on device" in capsys.readouterr().err
-    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
-    monkeypatch.undo()
-    assert main(["course", str(tmp_path), "--no-open"]) == 0
-    assert "kept" not in capsys.readouterr().out
 
 
 @pytest.fixture

@@ -12,7 +12,6 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from how_many import each
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
@@ -43,14 +42,14 @@ def test_every_block_is_in_the_table():
     assert set(PROMISES) == set(PUBLIC), "add the new ones' promise() to data/promises.json"
 
 
-@each(PROMISES)
+@pytest.mark.parametrize("name", PROMISES)
 def test_what_was_promised_is_kept(name):
     now = promise(PUBLIC[name])
     for kind, promised in PROMISES[name].items():
         assert promised == (promised and now[kind][: len(promised)]), kind
 
 
-@each(PROMISES)
+@pytest.mark.parametrize("name", PROMISES)
 def test_ports_are_numbered_in_their_order(name):
     for side in ("inputs", "outputs"):
         ports = promise(PUBLIC[name])[side] or []

@@ -76,8 +76,9 @@ def test_arrays_are_converted():
     assert isinstance(convert(1, "ft", "m"), float)
     assert convert(np.float64(250.0), "kt", "m/s") == pytest.approx(250 * 1852 / 3600, rel=1e-15)
     for bad in ("100", None, [1.0, "2"], 1j, True):
-        with pytest.raises(ParameterError, match="values must be a real number or an array"):
+        with pytest.raises(ParameterError) as error:
             convert(bad, "ft", "m")
+        assert error.value.parameter == "values"
 
 
 def test_every_unit_is_compared():
@@ -128,6 +129,7 @@ def test_units_that_do_not_fit_are_refused(source, target, text):
 
 def test_set_refuses_a_unit_at_once_and_keeps_the_old_one():
     block = UnitConversion("kt", "m/s")
-    with pytest.raises(ParameterError, match="unit of speed"):
+    with pytest.raises(ParameterError) as error:
         block.set(target="ft")
+    assert (error.value.parameter, error.value.value) == ("target", "ft")
     assert (block.source, block.target) == ("kt", "m/s")

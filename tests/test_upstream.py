@@ -6,7 +6,6 @@ those of loading (``flight/test_sealed.py``) and of properties (``test_bad_input
 
 import ast
 import importlib
-import inspect
 import os
 import re
 import signal
@@ -48,29 +47,6 @@ def test_every_private_import_is_listed():
     private = re.compile(r"(^|\.)(_|externals\b)")
     found = {name for name in imported if private.search(".".join(name[:2]))}
     assert found <= {*USED} <= imported
-
-
-def test_pathviews_worker_says_whether_results_are_left():
-    # pathview/server.py ends a run whose page is gone
-    app = pytest.importorskip("pathview.app")
-    [worker] = [
-        o
-        for o in vars(app).values()
-        if inspect.isclass(o)
-        and o.__module__ == app.__name__
-        and "_streaming" in inspect.getsource(o)
-    ]
-    assert "_stream_queue" in inspect.getsource(worker)
-
-
-def test_a_request_of_waitress_is_refused_by_its_parser():
-    # pathview/server.py sets these before a body is read
-    parser = pytest.importorskip("waitress.parser").HTTPRequestParser
-    text = inspect.getsource(parser)
-    for name in ("body_rcv", "error", "content_length", "expect_continue"):
-        assert re.search(rf"\b{name} = ", text), name
-    channel = pytest.importorskip("waitress.channel").HTTPChannel
-    assert "parser_class" in vars(channel)
 
 
 def _ended(_):

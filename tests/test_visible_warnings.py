@@ -8,15 +8,6 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).parent / "warned_script.py"
-SAID = [
-    "jumps over a sample instant",
-    "DiscretePID measures 0 at unconnected inputs: y",
-    "a worker process died while it computed these points",
-    "worker died at x=2",
-    "the user's own",
-]
-
 BUILD = """
 import logging, sys, warnings
 from pathsim import Connection, Simulation
@@ -89,45 +80,6 @@ def test_a_command_without_a_script_prints_a_warning_without_a_line(capsys):
     gear, response = out.splitlines()[-2:]
     assert gear.startswith("  787-8 at 250 KCAS: the landing gear is down")
     assert response.startswith("  787-8: the response of vt to throttle is not linear (a turbine's")
-
-
-@pytest.mark.long
-@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
-@pytest.mark.parametrize("start", [[], ["-m", "pathsim_jsbsim_blocks.cli", "run"]])
-def test_each_warning_is_seen_once(start):
-    _, errors = python(*start, str(SCRIPT), code=0)
-    assert [errors.count(text) for text in SAID] == [1] * len(SAID)
-    assert errors.count(f"{SCRIPT}:36: RuntimeWarning: ") == 2
-    assert "RuntimeWarning" in errors
-
-
-STDOUT, STDERR = 0, 1
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("code", "where"),
-    [
-        # PathSim has redirected warnings before this package is there
-        ("Simulation([], [], log=False)\nsimulate()", STDERR),
-        # PathSim's own log level is unchanged
-        ("simulate(log=True)", STDERR),
-        # who listens elsewhere still does
-        (
-            "Simulation([], [], log=False)\nlogging.basicConfig(stream=sys.stdout)\nsimulate()",
-            STDOUT,
-        ),
-        (
-            "with warnings.catch_warnings(record=True) as said:\n    simulate()\n"
-            "print([str(w.message) for w in said])",
-            STDOUT,
-        ),
-    ],
-)
-def test_a_warning_goes_to_stderr_or_to_who_listens(code, where):
-    said = python("-c", BUILD + code, code=0)
-    assert [text.count(WARNING) for text in said] == [where == STDOUT, where == STDERR]
-    assert ("FINISHED" in said[STDOUT]) == ("log=True" in code)
 
 
 RECIPE = (Path(__file__).parents[1] / "docs" / "messages.md").read_text("utf-8")

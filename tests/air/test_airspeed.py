@@ -262,15 +262,18 @@ def test_bad_speeds_are_refused(source, target, bad):
 
 
 def test_an_altitude_is_not_air():
-    with pytest.raises(ParameterError, match=r"isa\(altitude\) or Air.*not 5000.0"):
+    with pytest.raises(ParameterError) as error:
         cas_to_tas(120.0, 5000.0)
+    assert (error.value.parameter, error.value.value) == ("air", 5000.0)
 
 
 def test_shapes_that_do_not_fit_are_refused():
-    with pytest.raises(ParameterError, match=r"cas \(3,\), pressure \(2,\)"):
+    with pytest.raises(ParameterError) as error:
         cas_to_mach([1.0, 2.0, 3.0], isa([0.0, 1.0]))
-    with pytest.raises(ParameterError, match=r"cas \(3,\), mach \(2,\)"):
+    assert error.value.parameter == "cas, pressure, temperature"
+    with pytest.raises(ParameterError) as error:
         crossover_altitude([100.0, 110.0, 120.0], [0.7, 0.8])
+    assert (error.value.parameter, error.value.value) == ("cas, mach", {"cas": (3,), "mach": (2,)})
 
 
 @pytest.mark.parametrize(
@@ -291,12 +294,15 @@ def test_blocks_stop_at_bad_inputs(source, target):
     with pytest.raises(FlightError) as caught:
         run_block(block_class(source, target)(), math.nan, 0.0)
     assert (caught.value.name, caught.value.time) == (source, 0.0)
-    with pytest.raises(FlightError, match="altitude"):
+    with pytest.raises(FlightError) as error:
         run_block(block_class(source, target)(), 1.0, math.nan)
-    with pytest.raises(FlightError, match="81020 m"):
+    assert error.value.name == "altitude"
+    with pytest.raises(FlightError) as error:
         run_block(block_class(source, target)(out_of_range="error"), 1.0, 1e5)
-    with pytest.raises(ParameterError, match="geometric"):
+    assert error.value.name == "altitude"
+    with pytest.raises(ParameterError) as error:
         block_class(source, target)(altitude_kind="pressure")
+    assert (error.value.parameter, error.value.value) == ("altitude_kind", "pressure")
 
 
 def test_a_block_takes_geopotential_altitude():

@@ -249,19 +249,22 @@ def test_extrapolation_goes_on_smoothly():
     ],
 )
 def test_bad_altitudes_are_refused(bad):
-    with pytest.raises(ParameterError, match="altitude") as caught:
+    with pytest.raises(ParameterError) as caught:
         isa(bad)
     assert caught.value.parameter == "altitude"
-    with pytest.raises(ParameterError, match="altitude"):
+    with pytest.raises(ParameterError) as error:
         geopotential_altitude(bad)
+    assert error.value.parameter == "altitude"
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, "0", None, -300.0, [0.0, -300.0], [math.nan]])
 def test_bad_deviations_are_refused(bad):
-    with pytest.raises(ParameterError, match="temp_deviation"):
+    with pytest.raises(ParameterError) as error:
         isa(0.0, bad)
-    with pytest.raises(ParameterError, match="temp_deviation"):
+    assert error.value.parameter == "temp_deviation"
+    with pytest.raises(ParameterError) as error:
         isa([0.0, 1.0], bad)
+    assert error.value.parameter == "temp_deviation"
 
 
 def test_air_may_be_as_cold_as_any_above_0_K():
@@ -269,33 +272,44 @@ def test_air_may_be_as_cold_as_any_above_0_K():
     assert isa([0.0, 0.0], 0.5 - 288.15).temperature == pytest.approx([0.5, 0.5])
     for deviation in (-288.15, -288.65):
         for altitude in (0.0, [0.0, 0.0]):
-            with pytest.raises(ParameterError, match="temp_deviation"):
+            with pytest.raises(ParameterError) as error:
                 isa(altitude, deviation)
+            assert error.value.parameter == "temp_deviation"
 
 
 def test_shapes_that_do_not_fit_are_refused():
-    with pytest.raises(ParameterError, match=r"altitude \(3,\), temp_deviation \(2,\)"):
+    with pytest.raises(ParameterError) as error:
         isa([0.0, 1.0, 2.0], [0.0, 1.0])
-    with pytest.raises(ParameterError, match="pressure"):
+    assert error.value.parameter == "altitude, temp_deviation"
+    with pytest.raises(ParameterError) as error:
         Air([1e5, 9e4, 8e4], [280.0, 270.0])
+    assert error.value.parameter == "pressure, temperature"
 
 
 def test_unknown_kind_names_the_right_ones():
-    with pytest.raises(ParameterError, match="did you mean 'geopotential'"):
+    with pytest.raises(ParameterError) as error:
         isa(0.0, altitude_kind="geopotental")
-    with pytest.raises(ParameterError, match="'geometric', 'geopotential'"):
+    assert (error.value.parameter, error.value.value) == ("altitude_kind", "geopotental")
+    assert "'geopotential'" in str(error.value)
+    with pytest.raises(ParameterError) as error:
         pressure_altitude(1e5, "pressure")
+    assert (error.value.parameter, error.value.value) == ("altitude_kind", "pressure")
 
 
 def test_other_bad_input_is_refused():
     for bad in (0.0, -1.0, math.nan, "1e5", [1e5, 0.0]):
-        with pytest.raises(ParameterError, match="pressure"):
+        with pytest.raises(ParameterError) as error:
             pressure_altitude(bad)
-        with pytest.raises(ParameterError, match="density"):
+        assert error.value.parameter == "pressure"
+        with pytest.raises(ParameterError) as error:
             density_altitude(bad)
-        with pytest.raises(ParameterError, match="pressure"):
+        assert error.value.parameter == "density"
+        with pytest.raises(ParameterError) as error:
             Air(bad, 288.15)
-        with pytest.raises(ParameterError, match="temperature"):
+        assert error.value.parameter == "pressure"
+        with pytest.raises(ParameterError) as error:
             Air(101325.0, bad)
-    with pytest.raises(ParameterError, match="geopotential altitude is less than 6356766 m"):
+        assert error.value.parameter == "temperature"
+    with pytest.raises(ParameterError) as error:
         geometric_altitude(7e6)
+    assert (error.value.parameter, error.value.value) == ("altitude", 7000000.0)

@@ -3,7 +3,6 @@
 import json
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from itertools import product
 from urllib.parse import urlsplit
 
 import pytest
@@ -11,8 +10,6 @@ from how_many import first
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
-
-PAGES = ["/", "/editor", "/editor.html", "/somewhere/else"]
 
 
 def mark(where):
@@ -175,27 +172,6 @@ def test_a_model_opened_in_the_page_runs_nothing(editor, models, tmp_path):
 
 
 @pytest.mark.long
-def test_another_page_cannot_make_the_editor_load_its_model(editor, elsewhere, model):
-    editor.page.unroute_all()
-    elsewhere.pages["/x.pvm"] = json.dumps(hostile("step $x$"))
-    editor.open(model)
-    queries = (
-        f"model={elsewhere.address}/x.pvm",
-        "modelgh=someone/something",
-        f"backend=flask&host={elsewhere.address}",
-    )
-    for path, query in product(PAGES, queries):
-        target = f"{editor.address}{path}?{query}"
-        elsewhere.pages["/attack"] = f"<script>location = {json.dumps(target)}</script>"
-        editor.page.goto(f"{elsewhere.address}/attack")
-        editor.page.wait_for_url(target)
-        assert "403" in editor.page.title()
-        # nor by the user's own hand
-        assert editor.page.goto(target).status == 403
-    assert set(elsewhere.asked) <= {"/attack", "/favicon.ico"}
-
-
-@pytest.mark.long
 def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, tmp_path):
     where = tmp_path / "ran"
     editor.page.unroute_all()
@@ -239,86 +215,3 @@ def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, 
     assert not any(frame.url.startswith(editor.address) for frame in page.frames)
     # and the user's own page goes on
     assert editor.run() == "Simulation completed successfully"
-
-
-@pytest.mark.long
-def test_only_the_printed_address_opens_the_editor_and_then_reloading_works(
-    browser, fresh_editor, model
-):
-    editor = fresh_editor
-    stranger = browser.new_context()
-    page = stranger.new_page()
-    for path in (*PAGES, f"/editor?model=/model/{model}", "/editor?token=x", "/api/health"):
-        assert page.goto(f"{editor.address}{path}").status == 403
-    stranger.close()
-    editor.open(model)
-    editor.page.reload()
-    editor.ready()
-    other = editor.context.new_page()  # the cookie is there now
-    for path in PAGES:
-        assert other.goto(f"{editor.address}{path}").status == 200
-        other.reload()
-        other.wait_for_function("() => document.body.innerText.trim()")  # PathView itself says 404
-    [cookie] = editor.context.cookies()
-    assert (cookie["httpOnly"], cookie["sameSite"]) == (True, "Strict")
-    assert not editor.errors
-
-
-@pytest.mark.long
-def test_opened_from_another_page_the_printed_address_works(fresh_editor, elsewhere, model):
-    editor = fresh_editor
-    editor.page.unroute_all()
-    elsewhere.pages["/terminal"] = f'<a href="{editor.url(model)}">PathView</a>'
-    editor.page.goto(f"{elsewhere.address}/terminal")
-    editor.page.click("a")
-    editor.ready()
-    assert editor.run() == "Simulation completed successfully"
-    editor.page.reload()
-    editor.ready()
-    assert not editor.errors
-
-
-@pytest.mark.long
-def test_formulas_icons_exports_and_dialogs_work_without_other_servers(editor, models, model):
-    content = hostile(r"gain $\alpha_0^2$", notes=[r"Angle $$\frac{\alpha}{\beta}$$"])
-    content["graph"]["nodes"].append(
-        {
-            "id": "i",
-            "type": "Integrator",
-            "name": "i",
-            "position": {"x": 400, "y": 300},
-            "inputs": [{"id": "i-input-0", "name": "in"}],
-            "outputs": [{"id": "i-output-0", "name": "out"}],
-            "params": {},
-        }
-    )
-    models["formula.pvm"] = content
-    editor.open("formula.pvm")
-    page = editor.page
-    formula = page.locator(".svelte-flow__node[data-id='a0'] .katex-html .mathnormal").first
-    formula.wait_for()
-    assert formula.evaluate("e => getComputedStyle(e).fontFamily").startswith("KaTeX_Math")
-    page.wait_for_function(
-        "() => [...document.fonts].some(f => f.family == 'KaTeX_Math' && f.status == 'loaded')"
-    )
-    # with the style sheet a formula is shown once
-    assert (
-        page.locator(".katex-mathml").first.evaluate("e => getComputedStyle(e).position")
-        == "absolute"
-    )
-    assert editor.run() == "Simulation completed successfully"
-    page.locator(".js-plotly-plot .trace path").first.wait_for(state="attached")
-    assert "gain" in editor.python()
-    page.click("button[aria-label='Blocks']")
-    page.locator(".node-library svg, .node-library .math").first.wait_for()
-    page.get_by_role("button", name="Toolboxes").click()
-    page.locator("dialog, .dialog, [role=dialog]").get_by_text("pathsim-jsbsim").first.wait_for()
-    page.keyboard.press("Escape")
-    page.locator(".svelte-flow__pane").click(button="right", position={"x": 700, "y": 60})
-    with page.expect_download() as download:
-        page.get_by_text("Export SVG").click()
-    with open(download.value.path(), encoding="utf-8") as file:
-        assert "<path" in file.read()
-    assert not editor.errors
-    assert not editor.complaints()
-    assert not editor.elsewhere

@@ -248,19 +248,6 @@ def test_a_figure_shows_the_flight_in_its_band():
     assert [edge.get_ydata()[0] for edge in edges] == [-4.638e-4, 4.638e-4]
 
 
-def test_a_figure_leaves_out_in_what_the_simulators_agree():
-    # a ball thrown east at the equator: latitude, roll angle, roll and yaw rate are 0, heading is
-    # 90 deg and velocity north 0, but for 3e-13
-    figure = comparison_figure(9, *flown(9, 100))
-    panels = [ax for ax in figure.axes if ax.get_visible()]
-    assert [bool(ax.get_xlabel()) for ax in panels] == [False] * 6 + [True]
-    # the seventh panel takes a whole row
-    figure.canvas.draw()
-    first, second, *_, last = (ax.get_position() for ax in panels)
-    assert last.x0 == pytest.approx(first.x0)
-    assert last.x1 == pytest.approx(second.x1)
-
-
 def test_what_cannot_be_compared_is_refused():
     with pytest.raises(ParameterError, match=r"case must be one of 1, 2, .*, 16, not 17"):
         fly_case(17)

@@ -63,8 +63,9 @@ def test_editors_know_the_names_of_all_tables():
 
 @pytest.mark.parametrize("hold", HOLDS)
 def test_an_unknown_table_names_the_nearest(hold):
-    with pytest.raises(ParameterError, match="did you mean 'c172p'") as error:
+    with pytest.raises(ParameterError) as error:
         hold(gains="c172")
+    assert "'c172p'" in str(error.value)
     assert error.value.parameter == "gains"
 
 
@@ -141,18 +142,20 @@ def test_bad_parameters_are_refused_when_built_and_in_flight(hold, name, value):
 
 @pytest.mark.parametrize("hold", [AltitudeHold, Autopilot, GlideslopeHold])
 def test_a_lowest_pitch_reference_above_the_highest_names_both(hold):
-    with pytest.raises(ParameterError, match=r"theta_min, -10 deg,.* theta_max, -20 deg") as said:
+    with pytest.raises(ParameterError) as said:
         hold(theta_max=-20.0)
     assert said.value.parameter == "theta_min"
-    with pytest.raises(ParameterError, match="theta_max of the gains, 15 deg"):
+    with pytest.raises(ParameterError) as error:
         hold(theta_min=16.0)
+    assert (error.value.parameter, error.value.value) == ("theta_min", 16.0)
     # at any point of a schedule: the 15 deg are not those of the nominal point
     high = dataclasses.replace(
         GAINS["737"], altitude=dataclasses.replace(GAINS["737"].altitude, theta_max=20.0)
     )
     points = DesignPoint(0.0, 150.0, high), DesignPoint(0.0, 250.0, GAINS["737"])
-    with pytest.raises(ParameterError, match="theta_max of the gains, 15 deg"):
+    with pytest.raises(ParameterError) as error:
         hold(gains=GainSchedule("737", points), theta_min=16.0)
+    assert (error.value.parameter, error.value.value) == ("theta_min", 16.0)
     hold(gains=GainSchedule("737", points), theta_min=16.0, theta_max=18.0)
 
 
@@ -237,15 +240,18 @@ def test_every_hold_takes_a_schedule_and_its_file(hold, schedule, tmp_path, monk
     assert loop_gains("mine.json", "pitch")[0].Kp == 0.2  # of the nominal point
     with pytest.raises(FileError, match=r"did you mean 'mine.json'"):
         hold(gains="mime.json")
-    with pytest.raises(ParameterError, match="null"):
+    with pytest.raises(ParameterError) as error:
         hold(gains="mi\0ne.json")
+    assert (error.value.parameter, error.value.value) == ("gains", "mi\x00ne.json")
     Path("deep.json").write_text("[" * 100_000)
-    with pytest.raises(ParameterError, match=r"deep.json is not a JSON file"):
+    with pytest.raises(ParameterError) as error:
         hold(gains="deep.json")
+    assert error.value.parameter == "gains"
     document["points"][0]["gains"]["pitch"]["Kpp"] = 1.0
     path.write_text(json.dumps(document))
-    with pytest.raises(ParameterError, match=r"mine.json: there is no pitch gain 'Kpp'.*'Kp'"):
+    with pytest.raises(ParameterError) as error:
         hold(gains="mine.json")
+    assert error.value.parameter == "gains"
 
 
 def test_a_file_of_an_older_version_has_no_band(schedule, tmp_path):

@@ -11,6 +11,8 @@ from flights import start
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope
 
+from pathsim_jsbsim_blocks import ParameterError
+
 PAGE = Path(__file__).parents[2] / "CONTRIBUTING.md"
 SHOWN = re.search(r"## Add a hold.*?```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
 T = 1 / 120
@@ -60,5 +62,7 @@ def test_it_flies(holds):
     hold.gamma_ref = 0.0  # a parameter, set while it flies
     sim.run(20.0)
     assert abs(plane.outputs["gamma"]) < 0.2
-    with pytest.raises(Exception, match="did you mean 'gamma_ref'"):
+    with pytest.raises(ParameterError) as error:
         holds.PathHold(gama_ref=1.0)
+    assert (error.value.parameter, error.value.value) == ("gama_ref", 1.0)
+    assert "'gamma_ref'" in str(error.value)

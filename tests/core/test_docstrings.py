@@ -3,7 +3,6 @@
 import inspect
 
 import pytest
-from how_many import each
 from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
@@ -59,7 +58,7 @@ DOCUMENTED = {
 }
 
 
-@each(DOCUMENTED)
+@pytest.mark.parametrize("name", DOCUMENTED)
 def test_no_place_is_left_empty(name):
     assert "%(" not in DOCUMENTED[name].__doc__
 

@@ -37,8 +37,10 @@ def test_the_ports_are_the_models_and_open_inputs_have_its_initial_values(tmp_pa
     _, (time, (y, alpha)) = flown(wing, lambda t: 12 * math.sin(3 * t))
     assert len(time) > 40
     assert y == pytest.approx([lift(a, 10.0) for a in alpha], abs=1e-15)
-    with pytest.raises(ParameterError, match=r"no port 'angle'; did you mean 'angleOfAttack'"):
+    with pytest.raises(ParameterError) as error:
         wing["angle"]
+    assert (error.value.parameter, error.value.value) == ("port", "angle")
+    assert "'angleOfAttack'" in str(error.value)
 
 
 def test_with_a_period_the_outputs_are_held_between_the_samples(tmp_path):
@@ -73,13 +75,14 @@ def test_without_a_period_it_follows_within_the_steps_of_a_solver(tmp_path):
 
 def test_what_has_no_value_ends_the_flight(tmp_path):
     file = written(tmp_path, WING.replace("<times/>", "<divide/>"))
-    with pytest.raises(FlightError, match=r"DaveML at t = 0 s: .*variable 'CL': no value") as error:
+    with pytest.raises(FlightError) as error:
         flown(DaveML(str(file)), lambda t: 1.0)
     assert error.value.name == "CL"
     for T in (0.0, 0.05):
         wing = DaveML(str(written(tmp_path, WING)), T=T)
-        with pytest.raises(FlightError, match="'angleOfAttack' is nan") as error:
+        with pytest.raises(FlightError) as error:
             flown(wing, lambda t: math.nan if t > 0.99 else 1.0)
+        assert error.value.name == "angleOfAttack"
         assert error.value.time == pytest.approx(1.0, abs=0.06)
 
 
@@ -97,10 +100,12 @@ def test_bad_parameters_are_refused(tmp_path):
         written(tmp_path, WING),
         written(tmp_path, WING.replace('"lift"', '"L"').replace(">lift<", ">L<"), "b.dml"),
     )
-    with pytest.raises(ParameterError, match="T must be at least 0"):
+    with pytest.raises(ParameterError) as error:
         DaveML(str(file), T=-1.0)
-    with pytest.raises(BlocksError, match=r"cannot read 'nothing\.dml'"):
+    assert (error.value.parameter, error.value.value) == ("T", -1.0)
+    with pytest.raises(BlocksError) as error:
         DaveML("nothing.dml")
+    assert error.value.path == "nothing.dml"
     wing = DaveML(str(file))
     with pytest.raises(ParameterError, match=r"the inputs or outputs of .*b.dml differ"):
         wing.file = str(other)

@@ -1,8 +1,6 @@
 """DAVE-ML files: read, evaluated, verified; what is malformed is refused by line and variable."""
 
-import gc
 import math
-import os
 import random
 import re
 import sys
@@ -179,8 +177,9 @@ def test_a_piecewise_takes_the_first_piece_that_applies(tmp_path):
         return formula(tmp_path, f"<piecewise>{last}{inner}</piecewise>", a=a)
 
     assert [piecewise(a) for a in (3.0, 2.0, 1.0)] == [1.0, 2.0, 0.0]
-    with pytest.raises(DaveMLError, match=r"model.dml:1: variable 'y': no value: no piece of its"):
+    with pytest.raises(DaveMLError) as error:
         piecewise(1.0, last="")
+    assert error.value.variable == "y"
 
 
 def looked_up(tmp_path, attributes, x, points="0 1 3 4", values="1 3 2 6"):
@@ -325,24 +324,6 @@ def test_what_is_too_large_is_refused(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("part", "count"), [("a\n", 6_000_000), (" " * 200 + "<description/>", 40_000)]
-)
-def test_the_time_grows_with_the_size(tmp_path, part, count):
-    def seconds(n):
-        file = written(tmp_path, f"<DAVEfunc><fileHeader>{part * n}</fileHeader></DAVEfunc>")
-        start = time.process_time()
-        DaveModel(file)
-        return time.process_time() - start
-
-    gc.disable()  # its time is that of all other objects
-    try:
-        # eight times the size: its square would take 64 times as long
-        assert seconds(count) < 20.0 * min(seconds(count // 8) for _ in range(3))
-    finally:
-        gc.enable()
-
-
-@pytest.mark.parametrize(
     ("mathml", "a", "said"),
     [
         (apply("times", A, A), 1e200, "it is inf"),
@@ -361,13 +342,15 @@ def test_a_value_that_is_not_finite_is_an_error(tmp_path, mathml, a, said):
 
 def test_large_whole_numbers_are_floats(tmp_path):
     assert formula(tmp_path, apply("floor", A), a=1e300) == 1e300
-    with pytest.raises(DaveMLError, match="it is inf"):
+    with pytest.raises(DaveMLError) as error:
         formula(tmp_path, apply("times", apply("floor", A), apply("floor", A)), a=1e300)
+    assert error.value.variable == "y"
     # a product of 200 flags' sums, to the 10th power: 2^2000
     two = apply("plus", apply("eq", A, A), apply("eq", A, A))
     big = apply("times", *[apply("times", *[two] * 200)] * 10)
-    with pytest.raises(DaveMLError, match="it is inf"):
+    with pytest.raises(DaveMLError) as error:
         formula(tmp_path, big, a=1.0)
+    assert error.value.variable == "y"
     assert [formula(tmp_path, apply("floor", A), a=x) for x in (-1.5, -2.0, 1.5)] == [-2, -2, 1]
     assert [formula(tmp_path, apply("ceiling", A), a=x) for x in (-1.5, -2.0, 1.5)] == [-1, -2, 2]
 
@@ -396,13 +379,16 @@ def test_30000_variables_take_seconds_and_long_splines_are_refused(tmp_path):
 
 def test_inputs_and_files_that_are_not_there(tmp_path):
     model = DaveModel(written(tmp_path, WING))
-    with pytest.raises(ParameterError, match=r"no input 'angleofattack'; did you mean 'angleOfAtt"):
+    with pytest.raises(ParameterError) as error:
         model.evaluate({"angleofattack": 1.0})
-    with pytest.raises(ParameterError, match="the input 'alpha' must be a number, not None"):
+    assert (error.value.parameter, error.value.value) == ("angleofattack", 1.0)
+    with pytest.raises(ParameterError) as error:
         model.evaluate()
+    assert error.value.parameter == "model.dml: the input 'alpha'"
     for values in ([], [1.0], [1.0, 2.0, 3.0]):
-        with pytest.raises(ParameterError, match="values must be 2 numbers, one for each input"):
+        with pytest.raises(ParameterError) as error:
             model(values)
+        assert error.value.parameter == "values"
     with pytest.raises(FileError, match=r"cannot read '.*none.dml': No such file"):
         DaveModel(tmp_path / "none.dml")
     with pytest.raises(FileError, match="not a file"):
@@ -458,16 +444,3 @@ def test_malformed_files_end_in_typed_errors_and_nothing_else_is_read(tmp_path, 
     assert 0.5 * count < refused < count
     beside = [x for x in _opened if x[1] != str(file) and not x[1].endswith((".py", ".pyc"))]
     assert not beside
-
-
-ORIGINALS = os.environ.get("NESC_F16_FOLDER")
-
-
-@pytest.mark.skipif(not ORIGINALS, reason="NESC_F16_FOLDER names no folder with NASA's files")
-@pytest.mark.parametrize(
-    ("name", "shots"), [("aero", 16), ("prop", 9), ("inertia", 0), ("control", 0), ("gnc", 0)]
-)
-def test_nasas_f16_passes_its_check_shots(name, shots):
-    checks = DaveModel(f"{ORIGINALS}/F16_{name}.dml").verify()
-    assert len({c.shot for c in checks}) == shots
-    assert all(c.passes for c in checks)

@@ -12,8 +12,6 @@ from scipy.linalg import expm
 from pathsim_jsbsim_blocks.control.gains import YawGains
 from pathsim_jsbsim_blocks.control.loops import SpeedLoop
 from pathsim_jsbsim_blocks.design.outer import (
-    _BATCH,
-    _least,
     coordinate,
     damped,
     design_altitude,
@@ -277,29 +275,6 @@ def test_the_throttle_that_a_climb_needs_is_fed_forward_up_to_a_share_of_what_is
     assert design_feed(plant, (-0.9, 20.0), 40.0)[0] == pytest.approx(0.9 / 40.0)
     assert design_feed(plant, (-0.9, 0.3), 20.0)[0] == pytest.approx(0.3 / 20.0)
     assert design_feed(plant, (-9.0, 9.0), 20.0)[0] == pytest.approx(0.1, rel=0.02)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_the_least_score_is_found_without_all_of_them(seed):
-    rng = np.random.default_rng(seed)
-    n = 6 * _BATCH
-    floor, score = rng.uniform(0.0, 100.0, n), np.empty(n)
-    score = floor + rng.exponential(20.0, n)
-    late = rng.uniform(0.0, 1.0, n)
-    if seed == 3:
-        score[:] = np.inf
-        late[::2] = np.nan
-    asked = []
-
-    def fly(some):
-        asked.extend(some)
-        return score[some], score[some], late[some], late[some], late[some]
-
-    pick = np.flatnonzero(rng.uniform(size=n) < 0.9)
-    best, *_ = _least(pick, floor, fly)
-    expected = late if seed == 3 else score
-    assert best == pick[np.nanargmin(expected[pick])]
-    assert (len(asked) == len(pick)) == (seed == 3)
 
 
 def turning(slip_per_bank, slip_per_rate, power):

@@ -40,7 +40,7 @@ def test_sinking_too_fast_at_contact_ends_the_flight():
     time, hdot = plain_contact(-9.0)
     assert hdot < -15.0
     plane = descending(-9.0)
-    with pytest.raises(FlightError, match=r"touched the ground faster than 15 ft/s") as error:
+    with pytest.raises(FlightError) as error:
         flying(plane).run(20.0)
     assert error.value.name == "velocities/h-dot-fps"
     assert error.value.time == pytest.approx(time)
@@ -52,15 +52,16 @@ def test_the_limit_is_a_parameter():
     assert -15.0 < hdot < -5.0
     flying(descending(-5.0)).run(time + 1.0)
     flying(descending(-5.0, sink_max=-hdot + 0.5)).run(time + 1.0)
-    with pytest.raises(FlightError, match="faster than"):
+    with pytest.raises(FlightError) as error:
         flying(descending(-5.0, sink_max=-hdot - 0.5)).run(time + 1.0)
+    assert error.value.name == "velocities/h-dot-fps"
 
 
 def test_a_touch_with_anything_but_wheels_ends_the_flight():
     # 10.3 g at the touch, less than the 50 g that end any flight
     start = {"altitude": 40.0, "speed": 250.0, "gamma": -1.0, "gear": 0.0, "mode": "none"}
     plane = Aircraft("f16", **start, sink_max=math.inf)
-    with pytest.raises(FlightError, match="with a part that is not a wheel") as error:
+    with pytest.raises(FlightError) as error:
         flying(plane).run(10.0)
     assert error.value.name.startswith("contact/unit[")
     assert 0.0 < error.value.value < 1.0
@@ -75,8 +76,9 @@ def test_a_model_may_describe_its_wing_tips_as_wheels_are_described():
     # the A320's tail and engine pods are "bogeys" that slide with a coefficient of 0.2
     start = {"altitude": 60.0, "speed": 200.0, "gamma": -1.0, "gear": 0.0, "mode": "none"}
     plane = Aircraft("A320", **start, sink_max=math.inf)
-    with pytest.raises(FlightError, match="with a part that is not a wheel"):
+    with pytest.raises(FlightError) as error:
         flying(plane).run(20.0)
+    assert error.value.name == "gear/unit[4]/compression-ft"
 
 
 @pytest.mark.parametrize("aircraft", ["c172p", "737", "J3Cub", "c310"])

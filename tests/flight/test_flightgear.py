@@ -145,8 +145,9 @@ def test_network_files_and_flightgear_are_allowed_apart(
 
 @pytest.mark.parametrize("bad", ["a b", "127.0.0.1:0", "127.0.0.1:99999", ":x", 5550])
 def test_an_address_that_cannot_be_is_refused(bad):
-    with pytest.raises(ParameterError, match=r"must be HOST:PORT such as '127\.0\.0\.1:5550'"):
+    with pytest.raises(ParameterError) as error:
         Aircraft("c172p", speed=90, flightgear=bad)
+    assert error.value.parameter == "flightgear"
 
 
 def test_a_host_that_is_not_found_is_refused():

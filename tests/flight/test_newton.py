@@ -17,10 +17,7 @@ from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, TrimE
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
-from pathsim_jsbsim_blocks.flight.trimming import equations
-from pathsim_jsbsim_blocks.flight.trimming.check import HandsOff
-from pathsim_jsbsim_blocks.flight.trimming.search import bounded, solution
-from pathsim_jsbsim_blocks.flight.trimming.trimmer import Trimmer
+from pathsim_jsbsim_blocks.flight.trimming.search import bounded
 
 # ft/s2 and rad/s2, what `trim` promises
 TOLERANCES = dict.fromkeys(("udot", "vdot", "wdot"), 1e-4) | dict.fromkeys(
@@ -58,8 +55,9 @@ def test_what_jsbsim_trims_the_newton_search_trims_too(aircraft):
     airframe = Airframe(aircraft, create=dict.fromkeys(create, 0.0))
     ours = trim(airframe, condition)
     if any(airframe.fdm[name] for name in airframe.of_engines("constant-speed-mode")):
-        with pytest.raises(TrimError, match="use solver='newton' of TrimCondition"):
+        with pytest.raises(TrimError) as error:
             trim(airframe, dataclasses.replace(condition, solver="jsbsim"))
+        assert "solver='newton'" in str(error.value)
         return
     theirs = trim(airframe, dataclasses.replace(condition, solver="jsbsim"))
     # JSBSim trims this turboprop without the torque of its propellers
@@ -173,26 +171,6 @@ def test_a_trim_that_does_not_stay_is_an_error(aircraft, condition, reason, said
     with pytest.raises(TrimError, match=said) as error:
         trim(Airframe(aircraft), TrimCondition(**condition), hint=False)
     assert error.value.reason == reason
-
-
-@pytest.mark.parametrize("aircraft", ["737", "c172p", "f16"])
-def test_the_check_by_a_flight_leaves_no_trace(aircraft, monkeypatch):
-    altitude, speed, gear, _ = FLYING[aircraft]
-    condition = TrimCondition(altitude=altitude, speed=speed, gear=gear, solver="newton")
-
-    def flight():
-        airframe = Airframe(aircraft)
-        names = airframe.property_names("accelerations/") + airframe.property_names("velocities/")
-        trim(airframe, condition)
-        rows = []
-        for _ in range(60):
-            rows.append([airframe.fdm[name] for name in names])
-            airframe.fdm.run()
-        return rows
-
-    checked = flight()
-    monkeypatch.setattr(Trimmer, "_flown", lambda *_: HandsOff("", "", None, []))
-    assert checked == flight()
 
 
 @pytest.mark.parametrize(
@@ -395,13 +373,15 @@ def test_an_engine_starts_on_the_ground():
 
 
 def test_without_an_engine_there_is_no_level_flight():
-    with pytest.raises(TrimError, match="no running engine") as error:
+    with pytest.raises(TrimError) as error:
         trim(Airframe("f16"), TrimCondition(altitude=10000, speed=250, engines_off=[0]))
     assert error.value.reason == "thrust"
-    with pytest.raises(ParameterError, match="engines 0 to 1"):
+    with pytest.raises(ParameterError) as error:
         trim(Airframe("737"), TrimCondition(speed=250, engines_off=[2]))
-    with pytest.raises(ParameterError, match="no engine"):
+    assert (error.value.parameter, error.value.value) == ("engines_off", (2,))
+    with pytest.raises(ParameterError) as error:
         trim(Airframe("SGS"), TrimCondition(speed=55, mode="glide", engines_off=[0]))
+    assert (error.value.parameter, error.value.value) == ("engines_off", (0,))
 
 
 @pytest.mark.parametrize(
@@ -449,14 +429,6 @@ def test_initial_conditions_that_a_trim_overwrites_are_refused(name, parameter):
         assert (error.value.parameter, error.value.value) == ("setup", name)
     # the way to start without a trim
     trim(Airframe("c172p"), TrimCondition(speed=90, mode="none", setup={name: 1.0}))
-
-
-@pytest.mark.parametrize("more", [[], ["--mode", "turn", "--bank", "-20"]])
-def test_the_command_prints_a_heading_below_360(capsys, more):
-    assert main(["trim", "c172p", "--speed", "90", "--heading", "359.99999999", *more]) == 0
-    [line] = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  psi ")]
-    assert 0.0 <= float(line.split()[1]) < 360.0
-    assert "-0.000000" not in line
 
 
 def test_a_steady_trim_is_told_from_one_that_departs():
@@ -536,14 +508,17 @@ def test_a_flight_is_trimmed_where_it_is():
     other = Aircraft("737", condition=condition)
     Simulation([other], dt=other.T, log=False).run(10.0)
     assert float(other.outputs["h"]) == pytest.approx(state.altitude, abs=5.0)
-    with pytest.raises(ParameterError, match="did you mean 'gamma'"):
+    with pytest.raises(ParameterError) as error:
         plane.trim_here(gama=0.0)
+    assert (error.value.parameter, error.value.value) == ("change", "gama")
+    assert "'gamma'" in str(error.value)
 
 
 def test_near_the_ground_jsbsims_search_is_not_asked():
     low = TrimCondition(altitude=190, speed=200, gear=0)
-    with pytest.raises(TrimError, match=r"below 200 ft above the ground.*solver='newton'"):
+    with pytest.raises(TrimError) as error:
         trim(Airframe("737"), dataclasses.replace(low, solver="jsbsim"))
+    assert error.value.reason == "no convergence"
     trim(Airframe("737"), low)
 
 
@@ -561,27 +536,6 @@ def test_a_trim_that_does_not_hold_is_warned_of():
     # unstable in pitch, and flown without its pilot
     with pytest.warns(RuntimeWarning, match="does not hold: pitch moves by"):
         trim(Airframe("XB-70"), TrimCondition(altitude=27000, speed=300, mode="glide", gear=0))
-
-
-def test_beside_a_refused_point_the_next_is_refused_sooner_for_the_same_reason():
-    airframe, efforts, reasons = Airframe("A320"), [], []
-    for gamma in (12.0, 11.0):
-        climb = TrimCondition(altitude=15000, speed=300, gamma=gamma)
-        with pytest.raises(TrimError) as error:
-            trim(airframe, climb, hint=False, warm=True)
-        efforts.append(Trimmer.of(airframe)._effort.steps)
-        reasons.append((error.value.reason, error.value.limit))
-    assert reasons == [("thrust", 1.0)] * 2
-    assert efforts[1] < 0.9 * efforts[0]
-
-
-def test_the_search_has_a_budget(monkeypatch):
-    monkeypatch.setattr(equations, "_EFFORT", 2_000)
-    airframe = Airframe("c172p")
-    with pytest.raises(TrimError):
-        trim(airframe, TrimCondition(speed=140), hint=False)
-    # up to one evaluation more
-    assert 2_000 < Trimmer.of(airframe)._effort.steps < 7_000
 
 
 @pytest.mark.long
@@ -672,12 +626,3 @@ def test_the_bounded_step_is_the_one_that_scipy_finds():
         assert ((low <= ours) & (ours <= high)).all()
         left, least = (np.linalg.norm(a @ x - b) for x in (ours, theirs))
         assert left <= least * (1.0 + 1e-9) + 1e-12
-
-
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_slopes_beyond_all_numbers_are_no_error():
-    # a paraglider at Mach 0.04 reaches 1e24 ft/s2
-    a = np.array([[1e200, 2e200, 0.0], [3e200, 1e200, 0.0], [0.0, 0.0, 0.0]])
-    step = bounded(a, np.full(3, 1e201), -np.ones(3), np.ones(3), solution(a, np.full(3, 1e201)))
-    assert np.isnan(step).any() or (abs(step) <= 1.0).all()
-    assert np.isnan(solution(a.T @ a, np.ones(3))).all()

@@ -167,29 +167,34 @@ def test_names_are_checked_when_the_block_is_built(options, error, said):
 
 def test_the_lists_cannot_change():
     plane = airliner(output_properties=["flaps"])
-    with pytest.raises(ParameterError, match="output_properties cannot change"):
+    with pytest.raises(ParameterError) as error:
         plane.output_properties = ["gear"]
+    assert (error.value.parameter, error.value.value) == ("output_properties", ["gear"])
     assert plane.output_properties == ["flaps"]
 
 
 def test_the_drop_in_block_refuses_states_as_inputs_too():
-    with pytest.raises(PropertyError, match="JSBSim integrates it"):
+    with pytest.raises(PropertyError) as error:
         JSBSimFDM(
             input_properties=["position/h-agl-ft"],
             aircraft_model="c172p",
             trim_airspeed=90,
             trim_altitude=5000,
         )
+    assert error.value.name == "position/h-agl-ft"
 
 
 @pytest.mark.parametrize("name", ["propulsion/engine/thrust-lbs", "velocities/p-rad_sec"])
 def test_a_property_that_is_no_port_yet_is_told_how_it_becomes_one(name):
-    with pytest.raises(ParameterError, match=r"no port .*output_properties=.*JSBSimFDM"):
+    with pytest.raises(ParameterError) as error:
         airliner()[name]
-    with pytest.raises(ParameterError, match=r"'h_agl' is one with output_properties=\['h_agl'\]"):
+    assert error.value.parameter == "port"
+    with pytest.raises(ParameterError) as error:
         airliner()["h_agl"]
-    with pytest.raises(ParameterError, match=r"with input_properties=.* or output_properties="):
+    assert (error.value.parameter, error.value.value) == ("port", "h_agl")
+    with pytest.raises(ParameterError) as error:
         airliner()["flaps"]
+    assert (error.value.parameter, error.value.value) == ("port", "flaps")
 
 
 @pytest.mark.parametrize(
@@ -210,8 +215,10 @@ def test_a_misspelt_port_suggests_short_names_too(ports, wrong, right):
 @pytest.mark.parametrize("parameter", ["input_properties", "output_properties"])
 def test_a_minus_before_a_name_is_no_part_of_it(parameter):
     # JSBSim's own: taking the node aborts the process
-    with pytest.raises(PropertyError, match="did you mean 'fcs/flap-cmd-norm'"):
+    with pytest.raises(PropertyError) as error:
         airliner(**{parameter: ["-fcs/flap-cmd-norm"]})
+    assert error.value.name == "-fcs/flap-cmd-norm"
+    assert "'fcs/flap-cmd-norm'" in str(error.value)
 
 
 def test_an_input_that_can_only_be_written_is_0_at_the_trim():

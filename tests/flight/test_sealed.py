@@ -13,7 +13,6 @@ import shutil
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 import weakref
@@ -294,35 +293,6 @@ Simulation([fdm], dt=fdm.T, log=False).run(0.5, reset=True)
     assert left == []
     assert printed == b""
     assert fingerprint(INSTALLED) == before
-
-
-def test_a_copy_is_removed_even_if_loading_fails(monkeypatch, tmp_path):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    seen = []
-
-    def load(self):
-        seen.extend(os.listdir(tmp_path))
-        raise RuntimeError("no such engine")
-
-    monkeypatch.setattr(Airframe, "_load", load)
-    with pytest.raises(RuntimeError, match="no such engine"):
-        Airframe("global5000", empty_cg_x=700.0)
-    assert len(seen) == 1
-    assert os.listdir(tmp_path) == []
-
-
-def test_a_copy_that_something_else_has_removed_is_no_error(monkeypatch, tmp_path):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    load = Airframe._load
-
-    def load_and_remove(self):
-        failure = load(self)
-        for copy in tmp_path.iterdir():
-            shutil.rmtree(copy)
-        return failure
-
-    monkeypatch.setattr(Airframe, "_load", load_and_remove)
-    Airframe("global5000", empty_cg_x=700.0)
 
 
 def refused_trim():

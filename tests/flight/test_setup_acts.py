@@ -24,7 +24,7 @@ WAYS_IN = {
 
 @pytest.mark.parametrize("way", WAYS_IN)
 def test_a_wind_that_would_vanish_is_refused_however_it_comes(way):
-    with pytest.raises(ParameterError, match="wind_north and wind_east of the condition") as error:
+    with pytest.raises(ParameterError) as error:
         WAYS_IN[way]({WIND: 30.0})
     assert (error.value.parameter, error.value.value) == ("setup", WIND)
 

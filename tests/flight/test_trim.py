@@ -3,7 +3,6 @@
 import copy
 import dataclasses
 import gc
-import logging
 import math
 import pickle
 import subprocess
@@ -16,14 +15,12 @@ from plain_jsbsim import trimmed
 from pathsim_jsbsim_blocks import (
     Aircraft,
     ParameterError,
-    PropertyError,
     TrimCondition,
     TrimError,
     TrimState,
 )
 from pathsim_jsbsim_blocks.flight import Airframe, empty_weight_cg, trim
 from pathsim_jsbsim_blocks.flight.trimming import jsbsim as search
-from pathsim_jsbsim_blocks.flight.trimming import trimmer
 from pathsim_jsbsim_blocks.flight.trimming.state import UNITS
 
 pytestmark = pytest.mark.matrix
@@ -266,46 +263,6 @@ def test_a_failed_trim_says_why(aircraft, condition, reason, text):
 
 
 @pytest.mark.parametrize(
-    ("condition", "axis", "reason"),
-    [
-        # the axes and controls of FGTrim::SetMode
-        ({}, "vdot", "bank"),
-        ({}, "qdot", "elevator"),
-        ({"mode": "longitudinal"}, "wdot", "alpha limit"),
-        ({"mode": "turn", "bank": 20}, "vdot", "sideslip"),
-        ({"mode": "pull-up", "load_factor": 2}, "nlf", "alpha limit"),
-        ({"mode": "pull-up", "load_factor": 2}, "hmgt", "sideslip"),
-        ({"mode": "pull-up", "load_factor": 2}, "vdot", "bank"),
-        ({"mode": "ground"}, "pdot", "bank"),
-        ({"mode": "ground"}, "qdot", "pitch angle"),
-    ],
-)
-def test_each_axis_of_each_mode_has_its_control(monkeypatch, condition, axis, reason):
-    said = (logging.ERROR, f"  Sorry, {axis} doesn't appear to be trimmable")
-    monkeypatch.setattr(search, "messages", lambda *a, **b: (False, [said]))
-    with pytest.raises(TrimError) as error:
-        found("c172p", **condition, solver="jsbsim")
-    assert error.value.reason == reason
-
-
-@pytest.mark.parametrize(
-    ("aircraft", "condition", "reason"),
-    [
-        ("c172p", {"speed": 90, "solver": "jsbsim"}, "no convergence"),
-        ("SGS", {"speed": 55}, "thrust"),
-        ("Shuttle", {"altitude": 0, "mode": "ground"}, "no convergence"),
-    ],
-)
-def test_without_an_axis_it_is_the_thrust_that_lacks_where_no_engine_is(
-    monkeypatch, aircraft, condition, reason
-):
-    monkeypatch.setattr(search, "messages", lambda *a, **b: (False, []))
-    with pytest.raises(TrimError) as error:
-        trim(Airframe(aircraft), TrimCondition(**condition), hint=False)
-    assert error.value.reason == reason
-
-
-@pytest.mark.parametrize(
     ("condition", "nearest"), [({"speed": 55}, None), ({"speed": 25, "mode": "glide"}, 35.0)]
 )
 def test_without_power_another_speed_helps_a_glide_only(condition, nearest):
@@ -339,22 +296,6 @@ def test_after_a_flight_that_broke_it_an_airframe_starts_fresh(mode):
         airframe.fdm.run()
     assert math.isnan(airframe.fdm["velocities/p-rad_sec"])
     assert trim(airframe, condition) == fresh
-
-
-@pytest.mark.parametrize(
-    "field", sorted(set(UNITS) & {f.name for f in dataclasses.fields(TrimState)})
-)
-def test_every_field_of_a_state_is_checked(monkeypatch, field):
-    airframe, condition = Airframe("c172p"), TrimCondition(altitude=5000, speed=90, mode="none")
-    fine = trim(airframe, condition)
-    broken = (math.nan,) if field == "throttle" else math.inf
-    monkeypatch.setattr(
-        trimmer,
-        "read_state",
-        lambda *_: dataclasses.replace(fine, **{field: broken}),
-    )
-    with pytest.raises(TrimError, match=f"{field} not finite after the trim"):
-        trim(Airframe("c172p"), condition)
 
 
 GROUND = """
@@ -400,13 +341,9 @@ def test_what_cannot_be_is_refused_before_the_search(
 
 
 def test_a_model_without_alpha_limits_has_those_of_jsbsims_trim():  # FGTrimAxis.cpp
-    with pytest.raises(TrimError, match=r"\[-5, 20\] deg"):
+    with pytest.raises(TrimError) as error:
         found("A4", altitude=5000, speed=60, solver="jsbsim")
-
-
-def test_a_trim_far_from_the_ground_needs_no_rehearsal(monkeypatch):
-    monkeypatch.setattr(search, "run_in_fork", None)
-    assert found("c172p", altitude=5000, speed=90).alpha > 0
+    assert "[-5, 20] deg" in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -471,15 +408,6 @@ def test_impossible_conditions_and_contradictions_are_refused(values, parameter)
         TrimCondition(**values)
     assert error.value.parameter == parameter
     assert TrimCondition(altitude=1e6, mode="none").altitude == 1e6
-
-
-@pytest.mark.parametrize("name", ["propulsion/tank[0]/content-lbs", "tank[0]/content-lbs"])
-def test_a_misspelt_tank_0_suggests_tank_0(name):
-    with pytest.raises(PropertyError) as error:
-        found("737", {name: 1000.0})
-    assert error.value.nearest[0] == "propulsion/tank[0]/contents-lbs"
-    for existing in error.value.nearest:
-        Airframe("737").reader(existing)
 
 
 def test_conditions_and_states_are_values():

@@ -43,11 +43,12 @@ WAYS_IN = {
 @pytest.mark.parametrize("way", WAYS_IN)
 def test_what_would_end_the_process_is_refused(way):
     name = "propulsion/set-running"
-    with pytest.raises(PropertyError, match=r"has the engines 0 to 0, .* engines_off") as error:
+    with pytest.raises(PropertyError) as error:
         WAYS_IN[way](name, 1)
     assert error.value.name == name
-    with pytest.raises(PropertyError, match="use mode of the trim condition, or trim_here"):
+    with pytest.raises(PropertyError) as error:
         WAYS_IN[way]("simulation/do_simple_trim", 1)
+    assert error.value.name == "simulation/do_simple_trim"
 
 
 @pytest.mark.parametrize("name", ["propulsion/set-running", "simulation/do_simple_trim"])
@@ -59,8 +60,9 @@ def test_what_acts_when_written_is_no_input(block, name):
 
 
 def test_an_engine_without_a_table_of_injection_has_none():
-    with pytest.raises(PropertyError, match="no table of the thrust with injection"):
+    with pytest.raises(PropertyError) as error:
         Airframe("B747").write({"propulsion/engine[1]/injection_cmd": 1})
+    assert error.value.name == "propulsion/engine[1]/injection_cmd"
 
 
 @pytest.mark.parametrize(
@@ -145,7 +147,7 @@ def test_a_negative_mass_ends_the_flight(block, allowed, refused):
     flying(plane, PAYLOAD, allowed).run(0.1)
     assert plane.fdm[PAYLOAD] == 0.0
     plane.reset()
-    with pytest.raises(FlightError, match=r"at t = 0 s: .* must be at least 0, not -1") as error:
+    with pytest.raises(FlightError) as error:
         flying(plane, PAYLOAD, refused).run(0.1)
     assert (error.value.name, error.value.value, error.value.time) == (PAYLOAD, -1.0, 0.0)
     assert plane.fdm[PAYLOAD] >= 0.0

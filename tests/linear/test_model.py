@@ -23,7 +23,6 @@ from pathsim_jsbsim_blocks import (
 from pathsim_jsbsim_blocks.flight import linear_model
 from pathsim_jsbsim_blocks.linear import LinearModel
 from pathsim_jsbsim_blocks.linear.block import LinearModelBlock
-from pathsim_jsbsim_blocks.linear.identification import _coordinates, realise
 
 # what each input is for
 RESPONSES = {
@@ -272,7 +271,7 @@ def test_an_input_at_the_end_of_its_range_is_refused():
 def test_a_closed_throttle_is_refused(inputs):
     # what it does not move at all, sideslip and bank, is no answer to up and down
     glide = TrimCondition(altitude=5000, speed=260, gear=0.0, mode="glide", solver="newton")
-    with pytest.raises(LinearisationError, match="leave that out of the inputs") as caught:
+    with pytest.raises(LinearisationError) as caught:
         linear_model("737", glide, inputs=inputs)
     assert (caught.value.reason, caught.value.name) == ("limit", "throttle")
 
@@ -288,8 +287,9 @@ def test_an_input_without_response_is_refused():
 
 def test_without_inputs_there_is_only_the_algebraic_model():
     block = plane("737")
-    with pytest.raises(LinearisationError, match="no input to move"):
+    with pytest.raises(LinearisationError) as error:
         block.linear_model(inputs=[])
+    assert error.value.reason == "no response"
     model = block.linear_model("algebraic", inputs=[])
     assert model.B.shape == (len(model.states), 0)
 
@@ -556,39 +556,6 @@ def test_a_position_follows_the_heading_and_the_sideslip():
     for name in ("psi", "beta"):
         rate = model.A[states.index("lon"), states.index(name)]
         assert rate == pytest.approx(V / (20_925_646.0 + FLYING["737"][0]), rel=0.01), name
-
-
-def pulse_responses(poles):
-    """Responses in 8 s at 120 Hz of first-order lags to one pulse of 3 samples."""
-    t, g = np.arange(960) / 120, np.zeros((1, 960, len(poles)))
-    for i, pole in enumerate(poles):
-        for start in np.arange(3) / 120:
-            after = t - start - 1 / 120
-            g[0, :, i] += np.where(after > -1e-9, np.exp(pole * after), 0.0)
-    return g
-
-
-def test_a_model_of_four_independent_parts_is_the_smallest():
-    poles = [-0.3, -1.0, -2.5, -6.0]
-    others = {"rigid": [0, 1, 2, 3], "engines": [], "integrals": [], "abrupt": []}
-    found = realise(pulse_responses(poles), 1 / 120, 3, **others)
-    assert np.sort(np.linalg.eigvals(found.A).real) == pytest.approx(sorted(poles), rel=1e-3)
-    with pytest.raises(LinearisationError, match="fewer than 4 independent parts") as error:
-        realise(pulse_responses([-0.3, -1.0, -2.5, -2.5]), 1 / 120, 3, **others)
-    assert error.value.reason == "no fit"
-
-
-def test_states_are_outputs_and_what_completes_them():
-    C = np.array([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0], [0.0, 0.0, 3.0], [0.0, 0.0, 0.0]])
-    rows, signals = _coordinates(C, [0, 1, 3, 2])
-    # not the multiple of another row, nor one of zeros
-    assert signals == [0, 2, -1]
-    assert rows[:2].tolist() == [[1.0, 1.0, 0.0], [0.0, 0.0, 3.0]]
-    assert abs(rows[2]) == pytest.approx([0.5**0.5, 0.5**0.5, 0.0])
-    assert rows[:2] @ rows[2] == pytest.approx([0.0, 0.0], abs=1e-12)
-    rows, signals = _coordinates(C, [])
-    assert rows @ rows.T == pytest.approx(np.eye(3))
-    assert signals == [-1, -1, -1]
 
 
 def test_every_response_that_is_not_linear_is_named():

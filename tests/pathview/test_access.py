@@ -175,13 +175,6 @@ def test_the_token_in_a_cookie_is_worth_nothing(ask, server):
         assert ask(path, method, Cookie=f"{name}={token(server)}").status_code == 403
 
 
-def test_a_path_that_no_file_system_takes_is_one_more_unknown_path(ask, capfd):
-    for path in ("/" + 300 * "a", 3000 * "/a", "/%00", f"/?model=/examples/{300 * 'a'}"):
-        assert ask(path, Cookie=None).status_code == 403
-        assert ask(path).status_code == (403 if "model" in path else 200)
-    assert capfd.readouterr().err == ""
-
-
 @pytest.mark.parametrize("path", PAGES)
 def test_each_page_has_a_policy_and_no_inline_script_but_ours(path, ask):
     answers = [ask(path), ask(path, **{"If-None-Match": "*"})]

@@ -10,7 +10,6 @@ import pytest
 from scripts_of_tests import HEAD, LOOP, OSCILLATOR, code, names, script
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram
-from pathsim_jsbsim_blocks.cli import editor, main
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import export_script
 from pathsim_jsbsim_blocks.scripts.first_run import FirstRun
@@ -191,13 +190,6 @@ def test_what_pathview_cannot_hold_is_refused_with_file_line_and_reason(case, wr
     assert line in (None, caught.value.line)
 
 
-@pytest.mark.parametrize(("status", "hint"), [(2, True), (3, False)])
-def test_a_script_that_wants_arguments_hears_that_there_are_none(status, hint, written):
-    with pytest.raises(DiagramError, match="SystemExit") as error:
-        written(f"raise SystemExit({status})")
-    assert ("PathView passes no arguments" in str(error.value)) == hint
-
-
 @pytest.mark.parametrize(
     "data",
     [
@@ -250,13 +242,6 @@ def test_a_process_that_has_imported_no_block_exports_a_script_with_blocks(tmp_p
     done = subprocess.run([sys.executable, *command], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert out.exists()
-
-
-def test_a_script_that_does_not_end_is_told_of(saved, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(editor, "_LONG", 0.01)
-    path = saved(HEAD + "import time\ntime.sleep(0.2)\n" + LOOP + "sim.run(0.1)")
-    assert main(["export", str(path), "-o", str(tmp_path / "a.pvm")]) == 0
-    assert "still runs after 0 s; Ctrl-C ends the export" in capsys.readouterr().err
 
 
 @pytest.mark.long

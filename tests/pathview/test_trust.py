@@ -12,9 +12,9 @@ import pytest
 
 from pathsim_jsbsim_blocks import cli
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
-from pathsim_jsbsim_blocks.errors import DiagramError, ParameterError, UntrustedModelError
-from pathsim_jsbsim_blocks.pathview import convert_model, export_script, pvm, view
-from pathsim_jsbsim_blocks.pathview.trusted_models import digest, remember, require_trust
+from pathsim_jsbsim_blocks.errors import DiagramError, UntrustedModelError
+from pathsim_jsbsim_blocks.pathview import export_script, pvm, view
+from pathsim_jsbsim_blocks.pathview.trusted_models import digest, remember
 
 pytest.importorskip("pathview")
 
@@ -94,31 +94,10 @@ def test_trust_is_remembered_for_the_content(path, tmp_path, state):
     assert opens(path) == 2
 
 
-def test_from_python(path):
-    with pytest.raises(ParameterError, match="port"):
-        view(path, port=NO_PORT, trust=True)
-    with pytest.raises(ParameterError, match="port"):
-        view(path, port=NO_PORT)
-
-
 def test_to_convert_runs_nothing_and_needs_no_trust(path):
     assert cli.main(["convert", str(path)]) == 0
     assert "os.mkdir" in path.with_suffix(".py").read_text(encoding="utf-8")
     assert opens(path) == 2
-
-
-def test_a_damaged_model_is_damaged_first(path, capsys):
-    path.write_text("{}")
-    assert opens(path) == 1
-    assert "not a PathView model" in capsys.readouterr().err
-
-
-def test_every_model_of_the_catalogue_opens_without_a_question(monkeypatch):
-    monkeypatch.setattr("builtins.input", lambda prompt: pytest.fail(prompt))
-    models = [find_diagram(n).with_suffix(".pvm") for n in diagram_names()]
-    for path in models:
-        require_trust(pvm.read(path), path)
-    assert opens(models[0].stem) == opens(models[0]) == 1
 
 
 @pytest.mark.parametrize("name", [diagram_names()[0], diagram_names()[-1]])
@@ -199,15 +178,6 @@ def test_a_damaged_memory_trusts_nothing_more(path, state):
         assert opens(path, "--trust") == 1
 
 
-def test_a_relative_state_home_counts_as_none(path, tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_STATE_HOME", "here")
-    monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path / "home")
-    monkeypatch.chdir(tmp_path)
-    assert opens(path, "--trust") == 1
-    assert not (tmp_path / "here").exists()
-    assert list((tmp_path / "home").rglob("trusted-models"))
-
-
 def test_a_model_that_changes_after_the_yes_is_refused(path, monkeypatch):
     def yes(error):
         path.write_text(path.read_text().replace("1.5", "2.5"))
@@ -253,8 +223,3 @@ def test_at_a_terminal_the_user_is_asked_once(path, monkeypatch):
     status, shown = answered("")
     assert status == 1
     assert "[y/N]" not in shown
-
-
-def test_convert_model_has_no_state(path, state):
-    convert_model(path)
-    assert not state.exists()

@@ -125,8 +125,9 @@ def test_a_setting_without_a_place_is_refused(tmp_path, name, said):
 )
 def test_what_the_script_binds_again_is_no_constant(tmp_path, change):
     text = f"LAW = [1.0]\nprint(LAW)\n{change}\n"
-    with pytest.raises(ParameterError, match="no constant 'LAW' that it assigns once"):
+    with pytest.raises(ParameterError) as error:
         built(tmp_path, {"LAW": [2.0]}, text)
+    assert (error.value.parameter, error.value.value) == ("LAW", [2.0])
 
 
 def test_changes_of_other_names_are_none_of_it(tmp_path):
@@ -180,8 +181,9 @@ def test_a_text_is_read_as_what_it_replaces(text, replaced, value):
     "text", ["abc", "__import__('os')", "1/0", "9**9**9**9", "1 + 'a'", "[x for x in (1,)]", "1;2"]
 )
 def test_a_text_in_place_of_a_number_is_refused(text):
-    with pytest.raises(ParameterError, match="is not a Python value such as"):
+    with pytest.raises(ParameterError) as error:
         Text(text).read("x", 1.0)
+    assert error.value.parameter == "x"
 
 
 def test_as_the_main_program(tmp_path):
@@ -217,5 +219,6 @@ def test_a_script_is_loaded_as_it_would_run(tmp_path):
 
 
 def test_settings_are_a_mapping():
-    with pytest.raises(ParameterError, match="settings must be a dict"):
+    with pytest.raises(ParameterError) as error:
         load_diagram("pitch_hold", [("DURATION", 1.0)])
+    assert (error.value.parameter, error.value.value) == ("settings", [("DURATION", 1.0)])

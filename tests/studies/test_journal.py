@@ -40,7 +40,7 @@ def test_a_damaged_line_is_refused_and_the_file_kept(tmp_path, damage):
     assert damage[0] in text
     damaged = text.replace(*damage, 1)
     path.write_text(damaged)
-    with pytest.raises(ParameterError, match=r"is damaged: delete line \d") as error:
+    with pytest.raises(ParameterError) as error:
         run(resume=path)
     assert (error.value.parameter, error.value.value) == ("resume", str(path))
     assert path.read_text() == damaged
@@ -63,14 +63,15 @@ def _without_its_first_line():
 def test_a_file_of_other_data_or_an_earlier_version_is_refused_and_kept(tmp_path, text):
     path = tmp_path / "notes.txt"
     path.write_text(text)
-    with pytest.raises(ParameterError, match="was not written by this version"):
+    with pytest.raises(ParameterError) as error:
         run(resume=path)
+    assert error.value.parameter == "resume"
     assert path.read_text() == text
 
 
 def test_a_file_that_cannot_be_opened_is_refused(tmp_path):
     for path in (tmp_path / "none" / "x", tmp_path / ("x" * 300), tmp_path, "a\0"):
-        with pytest.raises(ParameterError, match=r"cannot be opened|must be|not a file") as error:
+        with pytest.raises(ParameterError) as error:
             Journal(path, {})
         assert error.value.parameter == "resume"
 
@@ -153,12 +154,14 @@ def test_a_full_disk_is_named(tmp_path):
     ):
         journal.write([0, []])
     # to read it would never end
-    with pytest.raises(ParameterError, match="'/dev/full' is not a file"):
+    with pytest.raises(ParameterError) as error:
         run(resume="/dev/full")
+    assert error.value.parameter == "resume"
 
 
 def test_without_the_extra_no_file_is_made(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "filelock", None)
-    with pytest.raises(MissingExtraError, match="studies"):
+    with pytest.raises(MissingExtraError) as error:
         run(resume=tmp_path / "thirds.jsonl")
+    assert error.value.extra == "studies"
     assert not list(tmp_path.iterdir())

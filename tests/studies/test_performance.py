@@ -236,8 +236,9 @@ def test_bad_numbers_are_refused_at_once(asked, said):
 
 
 def test_loading_stays_within_what_a_model_weighs():
-    with pytest.raises(ParameterError, match=r"c172p weighs from 1,5\d\d lb"):
+    with pytest.raises(ParameterError) as error:
         loading(Plane(C172P).airframe, 500.0)
+    assert (error.value.parameter, error.value.value) == ("weight", 500.0)
     # with 5 % of its fuel and without payload it has 1e-13 lb less than its own weight
     airframe = plane_of("Short_S23").airframe
     assert all(x >= 0.0 for x in loading(airframe, extremes(airframe)[0])["payload"])
@@ -338,8 +339,9 @@ def test_the_page_of_a_table_without_values_shows_the_reasons():
     figure = performance_chart(pandas.DataFrame(rows, columns=list(COLUMNS)))
     texts = [text.get_text() for ax in figure.axes for text in ax.texts]
     assert "no turn chart:\nno engine" in texts
-    with pytest.raises(ParameterError, match="performance_chart draws a table"):
+    with pytest.raises(ParameterError) as error:
         performance_chart(pandas.DataFrame({"a": [1]}))
+    assert error.value.parameter == "table"
 
 
 def v_n_rows(*points):

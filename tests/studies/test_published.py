@@ -1,6 +1,5 @@
 """The published studies against tables made by plain JSBSim loops (tests/data/studies)."""
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -175,27 +174,6 @@ def test_climb_schedule(tables):
     same(table.alpha_deg, reference.alpha_deg)
 
 
-@pytest.mark.long
-def test_the_chart_of_alpha_and_elevator_has_three_panels(tables):
-    table = tables("aoa_vs_cas_loading", wide=True)
-    figure = studies.alpha_elevator_chart(table)
-    assert [ax.get_ylabel() for ax in figure.axes] == [
-        "angle of attack [deg]",
-        "elevator deflection [deg]",
-        "elevator deflection [-]",
-    ]
-    assert [len(ax.lines) for ax in figure.axes] == [12, 12, 12]
-    first = figure.axes[1].lines[0]
-    assert first.get_label() == ("light, empty CG 39.5 in forward, 8000 ft, 52735 lb, CG 754.7 in")
-    rows = table[
-        (table.weight_case == "light")
-        & (table.cg_shift_percent == -5)
-        & (table.requested_altitude_ft == 8000)
-        & table.trimmed
-    ]
-    np.testing.assert_allclose(first.get_ydata(), rows.elevator_rad * 180 / math.pi, rtol=1e-12)
-
-
 def test_the_envelope_map_shows_every_point():
     speeds = [250]
     figure = studies.envelope_map(studies.trim_envelope(speeds=speeds, jobs=1, progress=False))
@@ -211,24 +189,6 @@ def test_the_envelope_map_shows_every_point():
         "thrust [1000 lbf]",
         "angle of attack [deg]",
     }
-
-
-@pytest.mark.long
-def test_the_thrust_chart_marks_the_least_thrust(tables):
-    figure = studies.thrust_chart(tables("thrust_vectoring", jobs=1))
-    titles = [ax.get_title() for ax in figure.axes if ax.get_title()]
-    assert titles[1] == "climb: 15000 ft, 300 KCAS, Mach 0.59, flight path angle 3 deg"
-    marks = [
-        (ax.get_title().partition(":")[0], *ax.lines[1].get_xydata()[0])
-        for ax in figure.axes
-        if ax.get_title()
-    ]
-    reference = pd.read_csv(DATA / "08_thrust_vectoring.csv")
-    for case, angle, thrust in marks:
-        rows = reference[reference.case == case]
-        assert thrust == pytest.approx(rows.thrust_lbs.min(), rel=RTOL)
-        assert angle == pytest.approx(rows.angle_deg[rows.thrust_lbs.idxmin()], rel=RTOL)
-    assert len(marks) == 2
 
 
 def test_the_climb_chart_shows_both_commands(tables):

@@ -49,7 +49,7 @@ SQUARES = [{"square": x * x} for x in range(1, 9)]
 
 @pytest.mark.parametrize("jobs", [0, -2, "all", 10**9, 1025, 10**400, None])
 def test_a_bad_number_of_workers_is_refused(jobs):
-    with pytest.raises(ParameterError, match=r"jobs .*-1: all cores") as error:
+    with pytest.raises(ParameterError) as error:
         run(squares, PARTS, jobs=jobs)
     assert error.value.parameter == "jobs"
 

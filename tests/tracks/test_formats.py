@@ -337,7 +337,7 @@ def test_a_missing_package_names_its_extra(package, ending, tmp_path, monkeypatc
     for module in [m for m in sys.modules if m.partition(".")[0] == package]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(MissingExtraError, match=r"pathsim-jsbsim-blocks\[tracks\]") as error:
+    with pytest.raises(MissingExtraError) as error:
         save_tracks(tmp_path / f"flight.{ending}", [climbing_turn()])
     assert error.value.extra == "tracks"
 

@@ -51,8 +51,9 @@ def test_it_records_what_a_scope_records():
     assert np.array_equal(signal(recorder, "heading")[1], data[5])
     assert time_histories(recorder).axes
     sim.reset()
-    with pytest.raises(ParameterError, match="run the simulation first"):
+    with pytest.raises(ParameterError) as error:
         recorder.to_track()
+    assert error.value.parameter == "scope"
     sim.run(0.5)
     assert np.array_equal(recorder.to_track().h, data[2, :61])
 
@@ -79,8 +80,9 @@ def test_it_saves_by_the_ending(tmp_path):
 
 def test_a_scope_as_a_table():
     _, recorder, _ = diagram()
-    with pytest.raises(ParameterError, match="run the simulation first"):
+    with pytest.raises(ParameterError) as error:
         to_frame(recorder)
+    assert error.value.parameter == "scope"
     scope = Scope(labels=["height [ft]"])
     kick = DoubletSource(2.0, start=0.1, width=0.1)
     Simulation([kick, scope], [Connection(kick, scope[0], scope[1])], dt=0.1, log=False).run(0.5)
@@ -109,8 +111,11 @@ def test_bad_parameters_are_refused(keywords, text):
 def test_its_ports_are_those_of_its_signals():
     recorder = FlightRecorder(signals=["a [ft]"])
     assert recorder["a"].ports == ["a"]
-    with pytest.raises(ParameterError, match="did you mean 'a'"):
+    with pytest.raises(ParameterError) as error:
         recorder["as"]
-    with pytest.raises(ParameterError, match="build another block"):
+    assert (error.value.parameter, error.value.value) == ("port", "as")
+    assert "'a'" in str(error.value)
+    with pytest.raises(ParameterError) as error:
         recorder.signals = ["a [ft]", "b"]
+    assert (error.value.parameter, error.value.value) == ("signals", ["a [ft]", "b"])
     assert recorder.labels[6:] == ["a [ft]"]
