@@ -2,6 +2,8 @@
 
 import ast
 import csv
+import errno
+import io
 import json
 import os
 import re
@@ -420,3 +422,25 @@ def test_modes_are_printed_with_their_levels(tmp_path, capsys):
         assert text in out
     assert saved.stat().st_size > 1000
     assert figure.stat().st_size > 10_000
+
+
+@pytest.mark.long
+def test_a_terminal_that_lacks_a_letter_gets_its_number(tmp_path):
+    script = tmp_path / "mine.py"
+    script.write_text("print('\u03b1')\n", encoding="utf-8")
+    command = [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "run", str(script)]
+    ended = subprocess.run(
+        command, capture_output=True, text=True, env={**os.environ, "PYTHONIOENCODING": "ascii"}
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "\\u03b1\n", "")
+
+
+def test_output_that_does_not_fit_on_the_disk(monkeypatch, capsys):
+    class Full(io.StringIO):
+        def flush(self):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", Full())
+        assert main(["list"]) == 1
+    assert capsys.readouterr().err == "pathsim-jsbsim: the output: No space left on device\n"

@@ -1,11 +1,13 @@
 """The commands that teach: the course copied to a folder, the manual pages of blocks."""
 
 import contextlib
+import errno
 import inspect
 import json
 import os
 import re
 import sys
+from pathlib import Path
 
 import pytest
 from how_many import first
@@ -196,3 +198,19 @@ def test_help_knows_the_blocks_of_pathsim_and_error_classes(capsys):
 def test_a_block_that_does_not_exist_is_refused_naming_the_nearest(wrong, right, capsys):
     assert main(["help", wrong]) == 1
     assert f"{right!r}" in capsys.readouterr().err
+
+
+def test_a_full_disk_leaves_no_cut_notebook(tmp_path, monkeypatch, capsys):
+    write = Path.write_bytes
+
+    def full(path, content):
+        write(path, content[: len(content) // 2])
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    assert main(["course", str(tmp_path), "--no-open"]) == 1
+    assert "01_hello.ipynb': No space left on device" in capsys.readouterr().err
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    monkeypatch.undo()
+    assert main(["course", str(tmp_path), "--no-open"]) == 0
+    assert "kept" not in capsys.readouterr().out

@@ -248,6 +248,13 @@ def test_a_figure_shows_the_flight_in_its_band():
     assert [edge.get_ydata()[0] for edge in edges] == [-4.638e-4, 4.638e-4]
 
 
+def test_a_flight_that_ends_early_is_compared_up_to_its_end():
+    diagram = load_diagram("check_case_01")
+    fly(diagram.sim, 1.0)
+    scopes = diagram.position, diagram.velocity, diagram.attitude, diagram.rates
+    assert all(d.passes for d in compare(1, *scopes))
+
+
 def test_what_cannot_be_compared_is_refused():
     with pytest.raises(ParameterError, match=r"case must be one of 1, 2, .*, 16, not 17"):
         fly_case(17)

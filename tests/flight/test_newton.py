@@ -17,7 +17,7 @@ from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, TrimE
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
-from pathsim_jsbsim_blocks.flight.trimming.search import bounded
+from pathsim_jsbsim_blocks.flight.trimming.search import bounded, solution
 
 # ft/s2 and rad/s2, what `trim` promises
 TOLERANCES = dict.fromkeys(("udot", "vdot", "wdot"), 1e-4) | dict.fromkeys(
@@ -626,3 +626,12 @@ def test_the_bounded_step_is_the_one_that_scipy_finds():
         assert ((low <= ours) & (ours <= high)).all()
         left, least = (np.linalg.norm(a @ x - b) for x in (ours, theirs))
         assert left <= least * (1.0 + 1e-9) + 1e-12
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_slopes_beyond_all_numbers_are_no_error():
+    # a paraglider at Mach 0.04 reaches 1e24 ft/s2
+    a = np.array([[1e200, 2e200, 0.0], [3e200, 1e200, 0.0], [0.0, 0.0, 0.0]])
+    step = bounded(a, np.full(3, 1e201), -np.ones(3), np.ones(3), solution(a, np.full(3, 1e201)))
+    assert np.isnan(step).any() or (abs(step) <= 1.0).all()
+    assert np.isnan(solution(a.T @ a, np.ones(3))).all()

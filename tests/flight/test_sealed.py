@@ -13,6 +13,7 @@ import shutil
 import socket
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import weakref
@@ -438,3 +439,18 @@ report = [sockets() == [["tcp", server.getsockname()[1]]], files()]
     assert report[1][0].endswith("left.csv")
     assert printed == b"onetwo"
     assert left == ["left.csv"]
+
+
+def test_a_copy_is_removed_even_if_loading_fails(monkeypatch, tmp_path):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    seen = []
+
+    def load(self):
+        seen.extend(os.listdir(tmp_path))
+        raise RuntimeError("no such engine")
+
+    monkeypatch.setattr(Airframe, "_load", load)
+    with pytest.raises(RuntimeError, match="no such engine"):
+        Airframe("global5000", empty_cg_x=700.0)
+    assert len(seen) == 1
+    assert os.listdir(tmp_path) == []

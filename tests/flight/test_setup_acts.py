@@ -22,10 +22,11 @@ WAYS_IN = {
 }
 
 
+@pytest.mark.parametrize("wind", [30.0, 5e-4])  # ft/s; a little is no rounding
 @pytest.mark.parametrize("way", WAYS_IN)
-def test_a_wind_that_would_vanish_is_refused_however_it_comes(way):
+def test_a_wind_that_would_vanish_is_refused_however_it_comes(way, wind):
     with pytest.raises(ParameterError) as error:
-        WAYS_IN[way]({WIND: 30.0})
+        WAYS_IN[way]({WIND: wind})
     assert (error.value.parameter, error.value.value) == ("setup", WIND)
 
 

@@ -21,6 +21,7 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.flight import Airframe, empty_weight_cg, trim
 from pathsim_jsbsim_blocks.flight.trimming import jsbsim as search
+from pathsim_jsbsim_blocks.flight.trimming import trimmer
 from pathsim_jsbsim_blocks.flight.trimming.state import UNITS
 
 pytestmark = pytest.mark.matrix
@@ -485,3 +486,19 @@ def test_an_airframe_that_was_trimmed_can_be_freed():
     del airframe
     gc.collect()
     assert gone() is None
+
+
+@pytest.mark.parametrize(
+    "field", sorted(set(UNITS) & {f.name for f in dataclasses.fields(TrimState)})
+)
+def test_every_field_of_a_state_is_checked(monkeypatch, field):
+    airframe, condition = Airframe("c172p"), TrimCondition(altitude=5000, speed=90, mode="none")
+    fine = trim(airframe, condition)
+    broken = (math.nan,) if field == "throttle" else math.inf
+    monkeypatch.setattr(
+        trimmer,
+        "read_state",
+        lambda *_: dataclasses.replace(fine, **{field: broken}),
+    )
+    with pytest.raises(TrimError, match=f"{field} not finite after the trim"):
+        trim(Airframe("c172p"), condition)

@@ -473,3 +473,10 @@ def test_a_body_is_at_most_32_mib(server, cookie):
     assert sent(server, small, [body])[0] == "200"
     assert "too-large" in pathview.app._sessions
     pathview.app.remove_session("too-large")
+
+
+def test_a_path_that_no_file_system_takes_is_one_more_unknown_path(ask, capfd):
+    for path in ("/" + 300 * "a", 3000 * "/a", "/%00", f"/?model=/examples/{300 * 'a'}"):
+        assert ask(path, Cookie=None).status_code == 403
+        assert ask(path).status_code == (403 if "model" in path else 200)
+    assert capfd.readouterr().err == ""

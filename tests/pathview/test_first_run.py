@@ -10,6 +10,7 @@ import pytest
 from scripts_of_tests import HEAD, LOOP, OSCILLATOR, code, names, script
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram
+from pathsim_jsbsim_blocks.cli import editor, main
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import export_script
 from pathsim_jsbsim_blocks.scripts.first_run import FirstRun
@@ -254,3 +255,17 @@ def test_the_models_process_does_not_import_the_program_that_exports(saved, tmp_
     )
     done = subprocess.run([sys.executable, str(program)], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "once\n"), done.stderr
+
+
+@pytest.mark.parametrize(("status", "hint"), [(2, True), (3, False)])
+def test_a_script_that_wants_arguments_hears_that_there_are_none(status, hint, written):
+    with pytest.raises(DiagramError, match="SystemExit") as error:
+        written(f"raise SystemExit({status})")
+    assert ("PathView passes no arguments" in str(error.value)) == hint
+
+
+def test_a_script_that_does_not_end_is_told_of(saved, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(editor, "_LONG", 0.01)
+    path = saved(HEAD + "import time\ntime.sleep(0.2)\n" + LOOP + "sim.run(0.1)")
+    assert main(["export", str(path), "-o", str(tmp_path / "a.pvm")]) == 0
+    assert "still runs after 0 s; Ctrl-C ends the export" in capsys.readouterr().err

@@ -223,3 +223,18 @@ def test_at_a_terminal_the_user_is_asked_once(path, monkeypatch):
     status, shown = answered("")
     assert status == 1
     assert "[y/N]" not in shown
+
+
+def test_a_damaged_model_is_damaged_first(path, capsys):
+    path.write_text("{}")
+    assert opens(path) == 1
+    assert "not a PathView model" in capsys.readouterr().err
+
+
+def test_a_relative_state_home_counts_as_none(path, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", "here")
+    monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path / "home")
+    monkeypatch.chdir(tmp_path)
+    assert opens(path, "--trust") == 1
+    assert not (tmp_path / "here").exists()
+    assert list((tmp_path / "home").rglob("trusted-models"))

@@ -5,6 +5,7 @@ import importlib
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import jsbsim
@@ -12,6 +13,7 @@ import pandas as pd
 import pytest
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
+from pathsim_jsbsim_blocks.errors import FileError
 from pathsim_jsbsim_blocks.studies import run_batch, trim_sweep
 
 PACKAGE = {
@@ -199,3 +201,53 @@ def test_texts_of_a_users_own_models_are_compared(study, tmp_path):
         assert differing(study, root, options) == f"models/{name} is changed"
         (root / name).write_text(before)
     pd.testing.assert_frame_equal(study(root, options), table)
+
+
+def test_other_files_are_not_compared(package, tmp_path):
+    assert package() == [1.0, 2.0]
+    for name in [x for x in PACKAGE if "hidden" in x or "/env/" in x or "/" not in x]:
+        (tmp_path / name).write_text("# another text\n")
+    (tmp_path / "own_package" / "notes.txt").write_text("other notes")
+    assert package() == [1.0, 2.0]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege")
+def test_links_are_followed_once(package, tmp_path):
+    linked = tmp_path / "elsewhere"
+    linked.mkdir()
+    (linked / "far.py").write_text("")
+    (tmp_path / "own_package" / "link").symlink_to(linked)
+    (linked / "back").symlink_to(tmp_path / "own_package")
+    (linked / "gone.py").symlink_to(tmp_path / "nowhere.py")
+    assert package() == package()
+    (linked / "far.py").write_text("# edited")
+    assert differing(package) == "own_package/link/far.py is changed"
+
+
+def test_a_folder_with_thousands_of_files_is_refused(package, tmp_path):
+    for i in range(2001 - 5):
+        (tmp_path / "own_package" / f"{i}.py").touch()
+    with pytest.raises(ParameterError, match="more than 2,000") as error:
+        package()
+    assert error.value.value == str(tmp_path / "own_package")
+    (tmp_path / "own_package" / "0.py").unlink()
+    assert package() == [1.0, 2.0]
+
+
+def test_code_that_cannot_be_read_is_named(tmp_path, monkeypatch):
+    archive = tmp_path / "modules.zip"
+    with zipfile.ZipFile(archive, "w") as file:
+        file.writestr("zipped_study.py", "def build(x):\n    return {'y': x}\n")
+    monkeypatch.syspath_prepend(archive)
+    build = importlib.import_module("zipped_study").build
+    with pytest.raises(FileError) as error:
+        run_batch(build, {"x": [1.0]}, jobs=1, progress=False, resume=tmp_path / "kept.txt")
+    assert error.value.path == str(archive)
+
+
+def test_arguments_that_do_not_go_with_measure_are_refused(package):
+    package()
+    measure = functools.partial(importlib.import_module("own_package.inner.study").other, 1, 2)
+    with pytest.raises(ParameterError) as error:
+        run_batch("pitch_hold", {"DURATION": [1.0]}, measure=measure, progress=False, resume="kept")
+    assert error.value.parameter == "resume"
