@@ -55,8 +55,9 @@ def test_paths():
 
 
 def test_a_bound_that_does_not_pass_is_open():
-    with pytest.raises(ParameterError, match=r"bank must lie in \(0, 80\], not 90"):
+    with pytest.raises(ParameterError) as error:
         checks.number("bank", 90.0, above=0.0, high=80.0)
+    assert (error.value.parameter, error.value.value) == ("bank", 90.0)
 
 
 def test_a_single_bound_is_named_alone():

@@ -110,12 +110,14 @@ def test_parameters_that_depend_on_each_other_are_set_together():
 def test_a_constructor_of_ones_own_keeps_the_checks_of_the_fields():
     block = Own()
     assert (block.factor, block.label, block.extra) == (2.0, "own", 7.0)
-    with pytest.raises(ParameterError, match="factor must be at least -2"):
+    with pytest.raises(ParameterError) as error:
         block.factor = -5.0
+    assert (error.value.parameter, error.value.value) == ("factor", -5.0)
     block.set(extra=8.0)
     assert block.extra == 8.0
-    with pytest.raises(ParameterError, match="factor"):
+    with pytest.raises(ParameterError) as error:
         Own(factor="x")
+    assert (error.value.parameter, error.value.value) == ("factor", "x")
 
 
 def test_a_hold_of_ones_own_with_its_own_defaults():
@@ -125,8 +127,9 @@ def test_a_hold_of_ones_own_with_its_own_defaults():
 
     hold = Mine()
     assert (hold.gains, hold.theta_ref, hold.clock.period) == ("737", 2.0, 1 / 50)
-    with pytest.raises(ParameterError, match="theta_ref must be a number"):
+    with pytest.raises(ParameterError) as error:
         hold.theta_ref = "up"
+    assert (error.value.parameter, error.value.value) == ("theta_ref", "up")
 
 
 def test_a_block_of_ones_own_without_the_decorator_is_told():
@@ -180,15 +183,17 @@ def test_ctrl_c_while_a_value_is_tried_takes_it_back():
 def test_a_linear_aircraft_stays_the_one_that_was_identified():
     plane = LinearAircraft("c172p", altitude=5000, speed=90, method="algebraic")
     plane.altitude = 5000
-    with pytest.raises(ParameterError, match="altitude cannot change once the model is made"):
+    with pytest.raises(ParameterError) as error:
         plane.set(speed=90, altitude=3000)
+    assert (error.value.parameter, error.value.value) == ("altitude", 3000)
     assert plane.altitude == 5000
 
 
 @pytest.mark.parametrize("polarity", [np.array([1.0]), np.array(1), "1", None, 2])
 def test_a_polarity_is_one_number(polarity):
-    with pytest.raises(ParameterError, match="polarity must be"):
+    with pytest.raises(ParameterError) as error:
         DoubletSource(polarity=polarity)
+    assert error.value.parameter == "polarity"
 
 
 def test_a_start_moved_before_it_is_reached_is_the_start():
@@ -200,5 +205,6 @@ def test_a_start_moved_before_it_is_reached_is_the_start():
     sim.run(2.5)
     time, (y,) = scope.read()
     assert y == pytest.approx(np.clip((time - 2.0) / 0.5, 0.0, 1.0), abs=1e-12)
-    with pytest.raises(ParameterError, match="start must be at least 0"):
+    with pytest.raises(ParameterError) as error:
         source.start = -1.0
+    assert (error.value.parameter, error.value.value) == ("start", -1.0)

@@ -19,6 +19,7 @@ from pathsim_jsbsim_blocks import (
     LinearisationError,
     ParameterError,
     TrimCondition,
+    TrimError,
 )
 from pathsim_jsbsim_blocks.flight import linear_model
 from pathsim_jsbsim_blocks.linear import LinearModel
@@ -355,8 +356,9 @@ def test_an_aircraft_without_engines_has_no_throttle():
     for model in (flown, linear_model("SGS", glide, "algebraic")):
         assert model.inputs == ("elevator", "aileron", "rudder")
         assert np.any(model.B, axis=0).all()
-    with pytest.raises(LinearisationError, match="it has no throttle") as caught:
+    with pytest.raises(LinearisationError) as caught:
         linear_model("SGS", glide, inputs=["elevator", "throttle"])
+    assert caught.value.name == "throttle"
     assert (caught.value.reason, caught.value.name) == ("no response", "throttle")
     block = LinearAircraft("SGS", condition=glide, method="algebraic")
     assert block["throttle"].ports
@@ -432,16 +434,20 @@ def test_a_file_that_was_changed_is_refused(tmp_path, changed, text):
 def test_bad_inputs_frequencies_and_lags_are_refused():
     model = plane("737").linear_model("algebraic")
     for u in (np.zeros(4), np.zeros((5, 3)), np.full((5, 4), math.nan)):
-        with pytest.raises(ParameterError, match=r"u must have .* 4 columns .* of finite numbers"):
+        with pytest.raises(ParameterError) as error:
             model.simulate(u)
+        assert error.value.parameter == "u"
     # heading and position are integrals
-    with pytest.raises(ParameterError, match="omega must be a list of frequencies"):
+    with pytest.raises(ParameterError) as error:
         model.frequency_response([0.0])
-    with pytest.raises(ParameterError, match="omega must be a list of frequencies"):
+    assert error.value.parameter == "omega"
+    with pytest.raises(ParameterError) as error:
         model.frequency_response(1.0)
+    assert error.value.parameter == "omega"
     for tau in (-1.0, [0.1, 0.2], math.nan):
-        with pytest.raises(ParameterError, match="tau must be one time from 0 s on, or 4 of them"):
+        with pytest.raises(ParameterError) as error:
             model.with_lags(tau)
+        assert error.value.parameter == "tau"
 
 
 @pytest.mark.parametrize("method", ["flown", "algebraic"])
@@ -480,16 +486,18 @@ def test_the_modes_do_not_depend_on_a_steady_wind():
 
 def test_a_period_that_hides_the_short_period_is_refused():
     # at 1 s a short period of 6.4 rad/s looks like one of 2.9
-    with pytest.raises(LinearisationError, match=r"T up to 0\.25 s") as caught:
+    with pytest.raises(LinearisationError) as caught:
         plane("c172p", T=1.0, substeps=120).linear_model()
+    assert caught.value.reason == "no fit"
     assert caught.value.reason == "no fit"
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[1]", '{"format": "another"}', "[" * 100_000])
 def test_a_file_without_a_model_is_refused(tmp_path, text):
     (tmp_path / "x.json").write_text(text)
-    with pytest.raises(ParameterError, match="holds no linear model"):
+    with pytest.raises(ParameterError) as error:
         LinearModel.load(tmp_path / "x.json")
+    assert error.value.parameter == "path"
 
 
 def test_the_table_has_the_names():
@@ -545,8 +553,9 @@ def test_the_process_does_not_die_of_an_aircraft_without_engines():
         linear_model("SGS", TrimCondition(altitude=3000, speed=50, mode="none"))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(Exception, match="does not trim"):
+        with pytest.raises(TrimError) as error:
             linear_model("SGS", TrimCondition(altitude=3000, speed=50))
+        assert error.value.reason == "thrust"
 
 
 def test_a_position_follows_the_heading_and_the_sideslip():

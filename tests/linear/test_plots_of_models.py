@@ -107,8 +107,9 @@ def test_simulate_holds_and_delays():
 
 @pytest.mark.parametrize("u", [np.zeros(600), np.zeros((4, 600)), {"aileron": 0.1}, [["x"]]])
 def test_simulate_refuses_other_shapes_in_one_line(u):
-    with pytest.raises(ParameterError, match=r"1 columns \(aileron\)") as caught:
+    with pytest.raises(ParameterError) as caught:
         lag().simulate(u)
+    assert caught.value.parameter == "u"
     assert len(str(caught.value)) < 250
     if isinstance(u, np.ndarray):
         assert f"of shape {u.shape}" in str(caught.value)
@@ -123,13 +124,16 @@ def test_what_is_no_linear_model_is_refused():
         lambda: step_response(plane, plane, "elevator", "theta", 0.01),
         lambda: root_locus([plane], [90.0]),
     ):
-        with pytest.raises(ParameterError, match=r"a LinearModel is needed, .* not "):
+        with pytest.raises(ParameterError) as error:
             draw()
+        assert error.value.parameter == "model"
 
 
 def test_an_unknown_name_is_refused():
-    with pytest.raises(ParameterError, match="no 'ailern'; did you mean 'aileron'"):
+    with pytest.raises(ParameterError) as error:
         bode(lag(), "p", "ailern")
+    assert (error.value.parameter, error.value.value) == ("inputs", ["ailern"])
+    assert "'aileron'" in str(error.value)
     with pytest.raises(ParameterError, match=r"margins\(\)"):
         nyquist(lag())
 
@@ -149,8 +153,10 @@ def test_a_step_is_drawn_as_it_is_flown():
     apart = np.abs(drawn["linear model"][:, 1] - flown).max()
     assert 0.0 < apart < 0.05 * np.ptp(flown)
     assert plane.samples == 0
-    with pytest.raises(ParameterError, match="did you mean 'elevator'"):
+    with pytest.raises(ParameterError) as error:
         step_response(built, plane, "elevater", "q", 0.01)
+    assert (error.value.parameter, error.value.value) == ("inputs", ["elevater"])
+    assert "'elevator'" in str(error.value)
 
 
 def test_a_root_locus_has_the_poles_of_each_model():
@@ -160,7 +166,9 @@ def test_a_root_locus_has_the_poles_of_each_model():
     assert sorted(points.get_offsets()[:, 0].tolist()) == [-4.0, -2.0, -1.0]
     assert points.get_array().tolist() == [100, 200, 400]
     assert figure.axes[-1].get_ylabel() == "airspeed [kt]"
-    with pytest.raises(ParameterError, match="one number for each of the 3 models"):
+    with pytest.raises(ParameterError) as error:
         root_locus(models, [1, 2])
-    with pytest.raises(ParameterError, match="values must be"):
+    assert (error.value.parameter, error.value.value) == ("values", [1, 2])
+    with pytest.raises(ParameterError) as error:
         root_locus(models, ["a", 1, 2])
+    assert (error.value.parameter, error.value.value) == ("values", ["a", 1, 2])

@@ -227,8 +227,9 @@ def test_links_are_followed_once(package, tmp_path):
 def test_a_folder_with_thousands_of_files_is_refused(package, tmp_path):
     for i in range(2001 - 5):
         (tmp_path / "own_package" / f"{i}.py").touch()
-    with pytest.raises(ParameterError, match="more than 2,000") as error:
+    with pytest.raises(ParameterError) as error:
         package()
+    assert error.value.parameter == "resume"
     assert error.value.value == str(tmp_path / "own_package")
     (tmp_path / "own_package" / "0.py").unlink()
     assert package() == [1.0, 2.0]

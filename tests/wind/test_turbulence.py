@@ -314,5 +314,6 @@ def test_bad_parameters_are_refused_by_name(keywords, parameter):
 
 
 def test_a_bad_height_is_refused():
-    with pytest.raises(ParameterError, match="h must be finite"):
+    with pytest.raises(ParameterError) as error:
         dryden_field(math.nan)
+    assert error.value.parameter == "h"
