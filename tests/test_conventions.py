@@ -34,9 +34,13 @@ GAINS = [
 ]
 
 
+# a linear aircraft flies for seconds until it is there
+BUILT = [pytest.param(n, marks=[pytest.mark.long] * (n == "LinearAircraft")) for n in BLOCKS]
+
+
 @functools.cache
 def made(name):
-    """A block with its defaults: a linear aircraft flies for seconds until it is there."""
+    """A block with its defaults."""
     return BLOCKS[name]()
 
 
@@ -84,7 +88,7 @@ def test_dir_shows_the_public_names_and_no_others():
     )
 
 
-@pytest.mark.parametrize("name", BLOCKS)
+@pytest.mark.parametrize("name", BUILT)
 def test_a_port_that_does_not_exist_is_refused(name):
     block = made(name)
     with pytest.raises(ParameterError) as error:
@@ -128,7 +132,7 @@ def test_ports_are_documented(name):
     assert documented(section(text, "Outputs")) == set(block.output_port_labels)
 
 
-@pytest.mark.parametrize("name", BLOCKS)
+@pytest.mark.parametrize("name", BUILT)
 def test_parameters_are_set_by_name_and_no_others(name):
     block = made(name)
     block.set(**{parameter: getattr(block, parameter) for parameter in parameters(BLOCKS[name])})
@@ -137,7 +141,7 @@ def test_parameters_are_set_by_name_and_no_others(name):
             block.set(**{f"{parameter}_": 1.0})
 
 
-@pytest.mark.parametrize("name", BLOCKS)
+@pytest.mark.parametrize("name", BUILT)
 def test_parameters_are_kept_as_attributes(name):
     block = made(name)
     for parameter in parameters(BLOCKS[name]):
