@@ -16,7 +16,7 @@ from pathsim.events import Schedule
 
 from pathsim_jsbsim_blocks import Aircraft, DoubletSource, ParameterError, fly
 from pathsim_jsbsim_blocks.cli import main
-from pathsim_jsbsim_blocks.scripts.runs import in_real_time
+from pathsim_jsbsim_blocks.cli.contexts import in_real_time
 from pathsim_jsbsim_blocks.tracks.recording import recorded_flights, tracks
 
 # FlightGear's net_fdm.hxx, version 24: version, padding, longitude, latitude (rad), altitude (m),

@@ -6,8 +6,8 @@ import textwrap
 import pytest
 
 from pathsim_jsbsim_blocks.pathview import export_script, pvm
+from pathsim_jsbsim_blocks.pathview.first_run import FirstRun
 from pathsim_jsbsim_blocks.pathview.reader import read_diagram
-from pathsim_jsbsim_blocks.scripts.first_run import FirstRun
 
 
 @pytest.fixture

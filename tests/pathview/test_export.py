@@ -10,7 +10,7 @@ from scripts_of_tests import HEAD, OSCILLATOR, code, names, node, script, wires
 
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import export_script
-from pathsim_jsbsim_blocks.scripts.first_run import FirstRun
+from pathsim_jsbsim_blocks.pathview.first_run import FirstRun
 
 pytest.importorskip("pathview")
 

@@ -13,7 +13,7 @@ from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.cli import editor, main
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import export_script
-from pathsim_jsbsim_blocks.scripts.first_run import FirstRun
+from pathsim_jsbsim_blocks.pathview.first_run import FirstRun
 
 pytest.importorskip("pathview")
 

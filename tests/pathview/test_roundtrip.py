@@ -13,8 +13,8 @@ from pathsim import Subsystem
 from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
+from pathsim_jsbsim_blocks.pathview.first_run import FirstRun as Script
 from pathsim_jsbsim_blocks.pathview.variables import plain
-from pathsim_jsbsim_blocks.scripts.first_run import FirstRun as Script
 
 pytest.importorskip("pathview")
 

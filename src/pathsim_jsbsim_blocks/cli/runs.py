@@ -77,8 +77,9 @@ def list_(args: argparse.Namespace) -> None:
 def run(args: argparse.Namespace) -> int:
     from .._core.callers import keep_warnings_visible
     from .._core.checks import positive
-    from ..scripts.runs import intercepted_runs, with_duration, with_progress
+    from ..scripts.runs import intercepted_runs
     from ..scripts.script import Script, main_program
+    from .contexts import with_duration, with_progress
 
     keep_warnings_visible()  # also for a script without blocks of this package
     settings, duration, source = _settings(args.set), args.duration, None
@@ -247,7 +248,7 @@ def _to_flightgear(address: str | None) -> Iterator[None]:
         yield
         return
     from ..flight.flightgear import sending_to
-    from ..scripts.runs import in_real_time
+    from .contexts import in_real_time
 
     with in_real_time() as pace, sending_to(address):
         try:

@@ -399,40 +399,14 @@ class GainSchedule:
 
 
 # names of the tables, which editors complete
+# fmt: off
 TableName = Literal[
-    "737",
-    "737-designed",
-    "737-landing",
-    "787-8",
-    "A320",
-    "A4",
-    "B747",
-    "Boeing314",
-    "Concorde",
-    "F4N",
-    "F80C",
-    "J3Cub",
-    "L17",
-    "MD11",
-    "OV10",
-    "Short_S23",
-    "T37",
-    "T38",
-    "c172p",
-    "c172p-designed",
-    "c172r",
-    "c182",
-    "c310",
-    "dr1",
-    "f104",
-    "f15",
-    "f16",
-    "fokker100",
-    "global5000",
-    "global5000-designed",
-    "pa28",
-    "t6texan2",
+    "737", "737-designed", "737-landing", "787-8", "A320", "A4", "B747", "Boeing314",
+    "Concorde", "F4N", "F80C", "J3Cub", "L17", "MD11", "OV10", "Short_S23", "T37", "T38",
+    "c172p", "c172p-designed", "c172r", "c182", "c310", "dr1", "f104", "f15", "f16",
+    "fokker100", "global5000", "global5000-designed", "pa28", "t6texan2",
 ]
+# fmt: on
 # name of a table or of a file, gains, or numbers by name
 Gains = TableName | str | Mapping[str, Any] | _Gains | AircraftGains | GainSchedule
 

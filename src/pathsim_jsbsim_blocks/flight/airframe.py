@@ -64,31 +64,8 @@ class Airframe(PropertyTree):
     empty_cg_x : float, optional
         x of the empty-weight centre of gravity in inches aft, structural axes. The model is then
         loaded from a private copy, which is removed again; the installed one is not touched
-    create : dict or "missing", optional
-        properties, with their values, that the model expects from its environment (FlightGear):
-        they exist before it is loaded. If some are missing, the error lists them all; "missing"
-        creates them as 0, and a warning lists them
-    allow_network : bool
-        let the model open the sockets that its XML defines (FlightGear, telnet input)
-    allow_files : bool
-        let the model write the output files that its XML defines (CSV)
-    integrators : str or dict
-        "default" (JSBSim's own: Euler for rotation), "precise" (a third of the error in flight at
-        the same T; less stable on the ground below 120 Hz), or methods by state:
-        ``{"rate_rotational": "adams-bashforth 3"}``. States: ``rate_rotational``,
-        ``rate_translational``, ``position_rotational``, ``position_translational``. Methods:
-        "none" (the state stays), "euler", "trapezoidal", "adams-bashforth 2" to
-        "adams-bashforth 5"; for ``position_rotational`` also "buss 1", "buss 2",
-        "local linearization"
-    planet : str or dict, optional
-        "WGS-84", "round" (a sphere of the same area, rotating), "round, fixed" (not rotating), or
-        changes to WGS-84: ``semimajor_axis``, ``semiminor_axis`` (ft), ``rotation_rate``
-        (rad/s), ``GM`` (ft3/s2), ``J2``; default is the model's own, or WGS-84
-    gravity : str, optional
-        "J2" (of the ellipsoid) or "point mass"; default is JSBSim's, J2
-    flightgear : str, optional
-        ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
-        FDM packets there by UDP, 60 per second of flight, without waiting for a reply
+    create, allow_network, allow_files, integrators, planet, gravity, flightgear
+        as of `Aircraft`
 
     Attributes
     ----------

@@ -11,10 +11,11 @@ from .._core.aircraft_ports import property_of
 from .._core.checks import mapping, refuse
 from .._core.units import FOOT
 from ..flight.airframe import Airframe
-from ..flight.channels import RIGID, Channel, as_shown, full_circle, ignorable
+from ..flight.channels import Channel
 from ..flight.flyable import Flyable
 from .linearised import Linearised, no_model
 from .model import LinearModel
+from .states import RIGID, as_shown, full_circle, ignorable
 
 # JSBSim's states in the order in which they are written (height and angles move the velocities):
 # initial condition, present value, rate, perturbation in the property's unit

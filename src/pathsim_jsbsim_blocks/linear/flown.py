@@ -11,20 +11,13 @@ from .._core.checks import did_you_mean, mapping, nearest, positive, refuse
 from .._core.pathsim_internals import values
 from ..errors import FlightError, LinearisationError
 from ..flight.airframe import Airframe
-from ..flight.channels import (
-    RIGID,
-    Channel,
-    acceleration,
-    as_shown,
-    engine_channels,
-    full_circle,
-    ignorable,
-)
+from ..flight.channels import Channel
 from ..flight.flyable import Flyable
 from .identification import Realisation, realise, respond
 from .linearised import Linearised, no_model
 from .model import LinearModel
 from .servos import hysteresis
+from .states import RIGID, acceleration, as_shown, engine_channels, full_circle, ignorable
 
 # s; a pulse of this length moves the attitude little and the accelerations enough
 _PULSE = 0.025

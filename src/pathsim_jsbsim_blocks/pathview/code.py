@@ -25,10 +25,10 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Block
 from pathsim.events import Event
 
-from ..scripts.first_run import FirstRun
 from ..scripts.names import assignments, references
 from ..scripts.script import FOLLOWING
 from .expressions import Expressions
+from .first_run import FirstRun
 from .shape import shortened
 from .sources import SourceNode, first_line, of_class, of_function, one_line, text_of, with_comments
 from .variables import TAKEN, unique

@@ -10,9 +10,9 @@ from typing import Any, NoReturn
 from pathsim.blocks import Block
 
 from .._core.checks import as_path, number
-from ..scripts.first_run import FirstRun
 from . import pvm
 from .diagram import Diagram
+from .first_run import FirstRun
 from .proof import Difference, Job, Proof, prove, surroundings
 from .reader import read_diagram
 from .shape import Json

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from pathsim.blocks import Block
 
-from ..scripts.first_run import FirstRun
 from ..scripts.names import assignments, bound
+from .first_run import FirstRun
 
 _PLAIN = (
     ast.Constant, ast.Name, ast.Attribute, ast.Call, ast.keyword, ast.Starred, ast.Subscript,

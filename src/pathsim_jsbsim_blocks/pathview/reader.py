@@ -16,10 +16,10 @@ from pathsim.blocks import Block, StateSpace
 
 from .._core.pathsim_internals import flies_matrices, own_events, port_names
 from .._core.seeding import draws_from_shared, is_random
-from ..scripts.first_run import FirstRun, named_arguments
 from .code import Code, Unwritable
 from .diagram import Diagram, Event, Graph, Node, Part, Wire, ends
 from .expressions import same
+from .first_run import FirstRun, named_arguments
 from .settings import live_settings
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
 from .variables import TAKEN, plain, prefix_inside, unique

@@ -8,7 +8,7 @@ from typing import Any
 
 from pathsim import Simulation
 
-from ..scripts.first_run import FirstRun, named_arguments
+from .first_run import FirstRun, named_arguments
 
 _PARAMETERS = {
     "dt": "dt",

@@ -4,21 +4,14 @@ from __future__ import annotations
 
 import ast
 import importlib.util
-import inspect
 import sys
 import threading
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
-
-import numpy as np
-from pathsim import Simulation
-from pathsim.blocks import Block
-from pathsim.events import Event
 
 from .settings import Settings
 
@@ -29,23 +22,12 @@ _LOADING = threading.RLock()  # `main_program` replaces values of the whole proc
 _SCOPE_READERS = {"globals", "locals", "vars", "dir", "eval", "exec", "super"}
 
 
-@dataclass
-class Construction:
-    """The call that made an object."""
-
-    node: ast.Call
-    value: Any
-    # parameters in the call; None if a function of the script builds the object
-    arguments: frozenset[str] | None
-    values: dict[str, tuple[Any, Any]]  # of all parameters, each with the object's attribute then
-
-
 class Script:
     """A script's text, with settings that take effect when it runs; see `Settings`.
 
-    ``source`` is its text instead of the file's; ``recorded`` records which call builds which part
-    of a diagram. ``tree`` is its syntax tree; ``seeded`` are the objects that it has built with a
-    ``seed`` that depends on the settings.
+    ``source`` is its text instead of the file's; with ``followed`` all its calls go through
+    `_call`, which a subclass extends. ``tree`` is its syntax tree; ``seeded`` are the objects that
+    it has built with a ``seed`` that depends on the settings.
     """
 
     def __init__(
@@ -53,18 +35,17 @@ class Script:
         path: Path,
         settings: Mapping[str, Any] = {},
         source: str | None = None,
-        recorded: bool = False,
+        followed: bool = False,
     ):
         self.path = path
         self.source = importlib.util.decode_source(path.read_bytes()) if source is None else source
         self.tree = ast.parse(self.source, str(path))
         self.seeded: list[Any] = []
-        self._settings, self._recorded = Settings(path.name, self.tree, settings), recorded
-        self._built: dict[int, Construction] = {}
+        self._settings = Settings(path.name, self.tree, settings)
         tree = ast.parse(self.source)
         originals = dict(zip(ast.walk(tree), ast.walk(self.tree), strict=True))
-        rewriter = _Rewriter(originals, self._settings, recorded)
-        if settings or recorded:
+        rewriter = _Rewriter(originals, self._settings, followed)
+        if settings or followed:
             tree = ast.fix_missing_locations(rewriter.visit(tree))
         self._calls = rewriter.calls
         self._code = compile(tree, str(path), "exec", dont_inherit=True)
@@ -86,37 +67,15 @@ class Script:
         exec(self._code, vars(module))
         self._settings.refuse_unused()
 
-    def construction(self, value: Any) -> Construction | None:
-        """The call that built an object; None if no call of the script did."""
-        return self._built.get(id(value))
-
     def _call(self, index: bytes, make: Any, /, *args: Any, **kwargs: Any) -> Any:
+        """Make a call of the script: of the expression ``_calls[index]``."""
         node, settings = self._calls[int(index)], self._settings
         if node in settings.calls:
             args, kwargs = settings.arguments(settings.calls[node], make, args, kwargs)
         part = make(*args, **kwargs)
         if node in settings.seeding:
             self.seeded.append(part)
-        if self._recorded and isinstance(part, (Block, Event, Simulation)):
-            arguments, values = None, {}
-            if make is type(part):
-                bound = inspect.signature(make).bind(*args, **kwargs)
-                arguments = frozenset(bound.arguments)
-                bound.apply_defaults()
-                values = {
-                    n: (copied(v), copied(getattr(part, n, v))) for n, v in bound.arguments.items()
-                }
-            self._built.setdefault(id(part), Construction(node, part, arguments, values))
         return part
-
-
-def copied(value: Any) -> Any:
-    """A copy of an array or a collection; other values as they are."""
-    if isinstance(value, np.ndarray):
-        return value.copy()
-    if type(value) in (list, tuple, set):
-        return type(value)(map(copied, value))
-    return {k: copied(v) for k, v in value.items()} if type(value) is dict else value
 
 
 class _Rewriter(ast.NodeTransformer):

@@ -16,6 +16,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn, TypeGuard
@@ -24,20 +25,32 @@ from unittest.mock import patch
 import numpy as np
 from pathsim import Simulation
 from pathsim.blocks import Block
+from pathsim.events import Event
 
 from .._core.running import fly
 from .._core.seeding import draws_from_shared
 from .._core.wiring import warn_of_wiring
 from ..errors import DiagramError
+from ..scripts.names import assignments, bound, own
+from ..scripts.runs import RunStart, intercepted_runs
+from ..scripts.script import Script, is_beside, main_program
 from .generators import SharedGenerators
-from .names import assignments, bound, own
-from .runs import RunStart, intercepted_runs
-from .script import Script, is_beside, main_program
 
 _RUNS = ("run", "run_streaming", "run_realtime")
 _STEPS = ("timestep", "step")
 _GENERATORS = (np.random.default_rng, np.random.RandomState, random.Random)
 _STATES = ("steadystate", "pss", "linearize", "load_checkpoint")
+
+
+@dataclass
+class Construction:
+    """The call that made an object."""
+
+    node: ast.Call
+    value: Any
+    # parameters in the call; None if a function of the script builds the object
+    arguments: frozenset[str] | None
+    values: dict[str, tuple[Any, Any]]  # of all parameters, each with the object's attribute then
 
 
 class FirstRun(Script):
@@ -53,8 +66,9 @@ class FirstRun(Script):
 
     def __init__(self, path: str | Path, capture: Callable[[FirstRun], Any] | None = None):
         path = self.path = Path(path)
+        self._built: dict[int, Construction] = {}
         try:
-            super().__init__(path, recorded=True)
+            super().__init__(path, followed=True)
         except OSError as error:
             self.refuse(f"cannot be read ({error.strerror})")
         except SyntaxError as error:
@@ -107,9 +121,27 @@ class FirstRun(Script):
         if make in _GENERATORS and all(x is None for x in (*args, *kwargs.values())):
             self.generators.drawn = True
         part = super()._call(index, make, *args, **kwargs)
+        if isinstance(part, (Block, Event, Simulation)):
+            self._record(self._calls[int(index)], part, make, args, kwargs)
         if builds and draws_from_shared(part):  # the model's own block draws these numbers again
             self.generators.look(own=False)
         return part
+
+    def _record(self, node: ast.Call, part: Any, make: Any, args: Any, kwargs: Any) -> None:
+        """Keep the call that made a part of the diagram, with its values as they are then."""
+        arguments, values = None, {}
+        if make is type(part):
+            call = inspect.signature(make).bind(*args, **kwargs)
+            arguments = frozenset(call.arguments)
+            call.apply_defaults()
+            values = {
+                n: (_copied(v), _copied(getattr(part, n, v))) for n, v in call.arguments.items()
+            }
+        self._built.setdefault(id(part), Construction(node, part, arguments, values))
+
+    def construction(self, value: Any) -> Construction | None:
+        """The call that built an object; None if no call of the script did."""
+        return self._built.get(id(value))
 
     def _begin(self, run: RunStart) -> None:
         if self._capturing:  # `capture` makes the first run itself
@@ -278,6 +310,15 @@ class FirstRun(Script):
             ):
                 runs[node.lineno] = f"{ast.unparse(node.func)}()"
         return sorted(runs.items())
+
+
+def _copied(value: Any) -> Any:
+    """A copy of an array or a collection; other values as they are."""
+    if isinstance(value, np.ndarray):
+        return value.copy()
+    if type(value) in (list, tuple, set):
+        return type(value)(map(_copied, value))
+    return {k: _copied(v) for k, v in value.items()} if type(value) is dict else value
 
 
 def named_arguments(call: ast.Call, names: Sequence[str]) -> dict[str, ast.expr]:
