@@ -12,8 +12,8 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from pathsim_jsbsim_blocks.axes.points import aircraft_points
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
-from pathsim_jsbsim_blocks.flight.points import aircraft_points
 
 FOLDER = Path(__file__).resolve().parent / "concepts" / "figures"
 # the same file for the same figure

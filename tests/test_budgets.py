@@ -25,6 +25,24 @@ def lines(root):
     return found
 
 
+def core():
+    """Files of the core: those of the modules that import nothing beyond it, by the contract."""
+    tools = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
+    contract = tools["importlinter"]["contracts"][0]
+    assert contract["name"] == "the core imports nothing beyond"
+    for module in contract["source_modules"]:
+        place = SOURCE / module.rpartition(".")[2]
+        yield from place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]
+
+
+def totals():
+    """Lines of Python of the core, of the whole package, and of the tools that make the docs."""
+    sizes = {"core": core(), "src": SOURCE.rglob("*.py"), "docs": (ROOT / "docs").rglob("*.py")}
+    return {
+        name: sum(file.read_bytes().count(b"\n") for file in files) for name, files in sizes.items()
+    }
+
+
 def words(files):
     return sum(len(file.read_text(encoding="utf-8").split()) for file in files)
 
@@ -36,7 +54,17 @@ def test_lines_of_each_folder(table, root):
     assert {name: n for name, n in found.items() if n > most[name]} == {}
 
 
+def test_lines_of_the_core_of_the_package_and_of_the_tools_of_the_docs():
+    sizes, most = totals(), BUDGETS["totals"]
+    assert sizes.keys() == most.keys()
+    assert {name: n for name, n in sizes.items() if n > most[name]} == {}
+
+
 def test_words_of_the_pages():
     most = BUDGETS["words"]
     assert words([ROOT / "README.md"]) <= most["README.md"]
     assert words((ROOT / "docs").rglob("*.md")) <= most["docs"]
+
+
+if __name__ == "__main__":  # .ci/run shows them
+    print(*(f"{name}: {n:,} lines" for name, n in totals().items()), sep=", ")

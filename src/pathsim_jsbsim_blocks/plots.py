@@ -251,7 +251,7 @@ def aircraft_points(
     Parameters
     ----------
     points : dict
-        as `pathsim_jsbsim_blocks.flight.points.aircraft_points` returns them: (x, y, z) in inches,
+        as `pathsim_jsbsim_blocks.axes.points.aircraft_points` returns them: (x, y, z) in inches,
         structural axes (x aft, y right, z up)
     title : str
         headline of the figure

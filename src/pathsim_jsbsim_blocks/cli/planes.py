@@ -67,8 +67,8 @@ def aircraft(args: argparse.Namespace) -> int:
 
 def _draw_points(args: argparse.Namespace) -> None:
     from .._core.checks import refuse
+    from ..axes.points import aircraft_points
     from ..flight.airframe import Airframe
-    from ..flight.points import aircraft_points
     from ..plots import aircraft_points as draw
     from ..plots import show
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 
 from ..errors import AircraftError
-from .airframe import Airframe
-from .model_files import empty_weight_cg
+from ..flight.airframe import Airframe
+from ..flight.model_files import empty_weight_cg
 
 Point = tuple[float, float, float]
 

@@ -5,9 +5,9 @@ import xml.etree.ElementTree as ET
 import jsbsim
 import pytest
 
+from pathsim_jsbsim_blocks.axes.points import aircraft_points
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
-from pathsim_jsbsim_blocks.flight.points import aircraft_points
 
 
 @pytest.fixture(scope="module")
