@@ -118,7 +118,7 @@ PICTURES = {
     },
     "pitch_loop": {
         "blocks": {
-            "ref": (0.6, 0.0, "Constant", "reference"),
+            "ref": (0.2, 0.0, "Constant", "reference"),
             "sum": (2.1, 0.0, "", "error"),
             "gain": (3.5, 0.0, r"$K$", "controller"),
             "plane": (5.6, 0.0, "Aircraft", "plane"),

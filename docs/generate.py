@@ -62,7 +62,7 @@ PERFORMANCE = """\
 What an aircraft can do, on one page: `pathsim-jsbsim chart NAME --save NAME.pdf`.
 [How to read it](performance.md), [the pages of the fleet](evidence/performance.md).
 
-[![Performance charts of a c172p](pictures/performance.png)](performance.md)
+[![Performance charts of a c172p](pictures/performance_climb.png)](performance.md)
 """
 GALLERY_INTRODUCTION = """\
 # Gallery
@@ -167,13 +167,11 @@ def gallery_cell(name):
 def diagram_page(name):
     """The page of a diagram: what it shows, its figures, its model, its script."""
     summary, rest = docstring(name)
-    kinds = ("", "_track", "_troposphere", "_pathview")
-    shown = [f"{name}{kind}" for kind in kinds if pictured(f"{name}{kind}")]
+    shown = [f"{name}{kind}" for kind in ("", "_track", "_troposphere")]
+    shown = [picture for picture in shown if pictured(picture)]
+    # the diagram, and then what is inside its subsystems
+    shown += sorted(file.stem for file in (DOCS / "pictures").glob(f"{name}_pathview*.png"))
     pictures = "\n\n".join(f".. image:: ../pictures/{n}.png" for n in shown)
-    if f"{name}_pathview" in shown:
-        pictures += (
-            "\n\nOf a tall diagram the picture has the upper part; ``view`` shows all of it."
-        )
     return f"""\
 {name}
 {"=" * len(name)}

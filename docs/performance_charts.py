@@ -39,6 +39,13 @@ COLUMNS = {
     "landing ft": ("landing distance", ".0f"),
 }
 
+# the pictures of docs/performance.md, with the panels of each
+FIGURES = {
+    "speeds": ("stall", "V-n", "speeds", "turn"),
+    "climb": ("climb", "ceiling", "glide", "field"),
+    "level": ("power", "range"),
+}
+
 HEAD = """\
 # The fleet's performance
 
@@ -152,8 +159,10 @@ def main():
     write(tables)
     (EVIDENCE / "performance.md").write_text(page(), encoding="utf-8")
     if "c172p" in tables:
-        page_of_cessna = performance_chart(tables["c172p"].drop(columns=["seconds", "commit"]))
-        page_of_cessna.savefig(EVIDENCE.parent / "pictures" / "performance.png", dpi=84)
+        table = tables["c172p"].drop(columns=["seconds", "commit"])
+        for name, charts in FIGURES.items():
+            figure = performance_chart(table, charts=charts)
+            figure.savefig(EVIDENCE.parent / "pictures" / f"performance_{name}.png", dpi=100)
 
 
 if __name__ == "__main__":

@@ -17,11 +17,17 @@ from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
 from pathsim_jsbsim_blocks.pathview.server import Server
 
-LEFT, TOP, MARGIN = 60, 40, 40  # px: PathView's side bar and top bar, room round the diagram
-SMALLEST = 1100, 700  # px
-WIDEST = 2400  # px
-TALLEST = 1.6  # height by width of a picture; what is below is left out
-ZOOM = 1.6  # at which port labels are easy to read; less where the diagram would get too wide
+PAGE = 896  # px: as wide as the site shows a picture, so that the editor's labels keep their 8 px
+MARGIN = 12  # px, round the diagram
+SHARPNESS = 1.6  # px of the picture by px of the editor
+PANEL = 280  # px: the plots below a diagram that has run
+RUN = ("pitch_hold",)  # diagrams that are shown with their results
+# the page around the picture has the text, and a picture needs no buttons
+PLAIN = """
+    .editor-nav, .panel-toggles, .breadcrumb { display: none !important }
+    .svelte-flow__node-annotation { display: none !important }
+    .svelte-flow__background { visibility: hidden }
+"""
 
 REPORT = "autopilot_mission"  # the diagram whose flight report is shown
 
@@ -37,38 +43,60 @@ BOUNDS = """() => {
     const y = drawn.flatMap(r => [r.top, r.bottom]).map(v => (v - pane.top - view.f) / view.d)
     return [Math.min(...x), Math.min(...y), Math.max(...x), Math.max(...y)]
 }"""
-MOVE = """([x, y, zoom]) => {
+MOVE = """([x, y]) => {
     const pane = document.querySelector('.svelte-flow').getBoundingClientRect()
     document.querySelector('.svelte-flow__viewport').style.transform =
-        `translate(${x - pane.left}px, ${y - pane.top}px) scale(${zoom})`
+        `translate(${x - pane.left}px, ${y - pane.top}px)`
+}"""
+# the subsystems of what is shown, one of each kind: those of a kind have the same blocks and ports
+SUBSYSTEMS = """() => {
+    const kinds = new Map()
+    for (const node of document.querySelectorAll('.svelte-flow__node')) {
+        if (node.querySelector('.node-type')?.textContent !== 'Subsystem') continue
+        const ports = [...node.querySelectorAll('.port-label')].map(e => e.textContent).join()
+        if (!kinds.has(ports)) kinds.set(ports, node.querySelector('.node-name').textContent)
+    }
+    return [...kinds.values()]
 }"""
 
 
-def take(page, target):
-    """A picture of the whole diagram, as large as it takes to read it."""
+def take(page, target, below=0):
+    """A picture of the whole diagram as it is shown, with room below for panels."""
     left, top, right, bottom = page.evaluate(BOUNDS)
-    width, height = right - left, bottom - top
-    zoom = min(ZOOM, (WIDEST - LEFT - 2 * MARGIN) / width)
-    size = [
-        max(least, round(zoom * extent + bar + 2 * MARGIN))
-        for least, extent, bar in zip(SMALLEST, (width, height), (LEFT, TOP), strict=True)
-    ]
-    page.set_viewport_size({"width": size[0], "height": size[1]})
+    width = max(PAGE, round(right - left) + 2 * MARGIN)
+    page.set_viewport_size({"width": width, "height": round(bottom - top) + 2 * MARGIN + below})
     page.wait_for_timeout(500)
-    page.evaluate(
-        MOVE,
-        [
-            (size[0] + LEFT - zoom * width) / 2 - zoom * left,
-            (size[1] + TOP - zoom * height) / 2 - zoom * top,
-            zoom,
-        ],
-    )
+    page.evaluate(MOVE, [(width - right - left) / 2, MARGIN - top])
+    page.mouse.move(0, 0)  # a wire under the mouse has another colour
     page.wait_for_timeout(300)
     with tempfile.TemporaryDirectory() as folder:
         shot = Path(folder) / "shot.png"
-        height = min(size[1], round(TALLEST * size[0]))
-        page.screenshot(path=shot, clip={"x": 0, "y": 0, "width": size[0], "height": height})
-        shrink(shot, target, width=size[0])
+        page.screenshot(path=shot)
+        shrink(shot, target, width=round(SHARPNESS * width))
+
+
+def take_diagram(page, name):
+    """A diagram, what is inside its subsystems, and the plots of one that has run."""
+    page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=180_000)
+    page.wait_for_selector(".svelte-flow__node")
+    page.wait_for_timeout(2500)  # the diagram assembles itself
+    if name in RUN:
+        page.click("button[aria-label='Run']")
+        page.get_by_text("Simulation completed successfully").wait_for(timeout=180_000)
+        page.click("button[aria-label='Console']")
+        page.locator(".js-plotly-plot .trace path").first.wait_for(state="attached")
+    page.keyboard.press("f")
+    page.wait_for_timeout(1000)
+    page.add_style_tag(content=PLAIN)
+    pictures = DOCS / "pictures"
+    take(page, pictures / f"{name}_pathview.png", PANEL if name in RUN else 0)
+    for subsystem in page.evaluate(SUBSYSTEMS):
+        page.locator(".node-name").get_by_text(subsystem, exact=True).dblclick()
+        page.wait_for_timeout(1500)
+        inside = subsystem.replace(" ", "_")
+        take(page, pictures / f"{name}_pathview_{inside}.png")
+        page.keyboard.press("h")  # to the whole diagram
+        page.wait_for_timeout(1500)
 
 
 def take_report(browser):
@@ -96,16 +124,13 @@ def main(names):
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
         )
-        context = browser.new_context(viewport={"width": 1600, "height": 1000})
+        context = browser.new_context(
+            viewport={"width": 1600, "height": 1000}, device_scale_factor=SHARPNESS
+        )
         for name in names:
             page = context.new_page()
             page.goto(server.url(f"{name}.pvm"))
-            page.wait_for_selector("button[aria-label='Run']:not([disabled])", timeout=180_000)
-            page.wait_for_selector(".svelte-flow__node")
-            page.wait_for_timeout(2500)  # the diagram assembles itself
-            page.keyboard.press("f")
-            page.wait_for_timeout(1000)
-            take(page, DOCS / "pictures" / f"{name}_pathview.png")
+            take_diagram(page, name)
             page.close()
         if REPORT in names:
             take_report(browser)

@@ -16,7 +16,7 @@ the aiming point, on the centre line.
 Source: our own. The landing is judged by the limits of docs/landing.md.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Constant, Scope
 
 from pathsim_jsbsim_blocks import (
@@ -54,6 +54,10 @@ TURBULENCE = {
     "atmosphere/turbulence/milspec/severity": 3.0,
     "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 34.0,
 }
+
+MEASURED = ["theta", "phi", "psi", "p", "q", "r", "alpha", "beta", "h", "hdot", "vc", "lat", "lon"]
+MEASURED += ["elev_sat", "ail_sat", "thr_sat", "h_agl", "gear/wow"]
+COMMANDS = ["elevator", "aileron", "rudder", "throttle", "brakes", "steering"]
 
 aircraft = Aircraft(
     aircraft="c172p",
@@ -96,59 +100,55 @@ attitude = Scope(labels=["pitch angle [deg]", "bank [deg]", "heading [deg]"])
 ground = Scope(labels=["right of the centre line [ft]", "distance to the antenna [ft]"])
 landing = Scope(labels=["phase [-]", "wheels on the ground [-]"])
 
-sim = Simulation(
+# what the receivers and holds measure, and what they command and show
+ports = Interface()
+ports.register_port_map(
+    {name: i for i, name in enumerate([*COMMANDS, "phase", "loc_ft", "loc_dist", "gs_ft"])},
+    {name: i for i, name in enumerate([*MEASURED, "go_around"])},
+)
+autoland = Subsystem(
+    [ports, localizer, glideslope, lateral, vertical, airspeed, damper, flare],
     [
-        aircraft,
-        localizer,
-        glideslope,
-        lateral,
-        vertical,
-        airspeed,
-        damper,
-        flare,
-        go_around,
-        height,
-        rates,
-        attitude,
-        ground,
-        landing,
-    ],
-    [
-        Connection(aircraft["lat"], localizer["lat"], glideslope["lat"]),
-        Connection(aircraft["lon"], localizer["lon"], glideslope["lon"]),
-        Connection(aircraft["h"], glideslope["h"], vertical["h"]),
-        Connection(localizer["ft"], lateral["loc_ft"], flare["loc_ft"], ground[0]),
-        Connection(localizer["dist"], lateral["loc_dist"], flare["loc_dist"], ground[1]),
-        Connection(glideslope["deg"], vertical["gs_deg"]),
-        Connection(glideslope["ft"], vertical["gs_ft"], height[1]),
-        Connection(glideslope["dist"], vertical["gs_dist"]),
-        Connection(aircraft["psi"], lateral["psi"], flare["psi"], attitude[2]),
-        Connection(aircraft["phi"], lateral["phi"], flare["phi"], damper["phi"], attitude[1]),
-        Connection(aircraft["p"], lateral["p"], flare["p"], damper["p"]),
-        Connection(aircraft["r"], flare["r"], damper["r"]),
-        Connection(aircraft["beta"], damper["beta"]),
-        Connection(aircraft["hdot"], vertical["hdot"], airspeed["hdot"], flare["hdot"], rates[0]),
-        Connection(aircraft["theta"], vertical["theta"], flare["theta"], attitude[0]),
-        Connection(aircraft["q"], vertical["q"], flare["q"]),
-        Connection(aircraft["vc"], airspeed["vc"], flare["vc"], rates[1]),
-        Connection(aircraft["alpha"], vertical["alpha"], flare["alpha"]),
-        Connection(aircraft["ail_sat"], lateral["ail_sat"]),
-        Connection(aircraft["elev_sat"], vertical["elev_sat"]),
-        Connection(aircraft["thr_sat"], airspeed["thr_sat"]),
-        Connection(aircraft["h_agl"], flare["h_agl"], height[0]),
-        Connection(aircraft["gear/wow"], flare["wow"], landing[1]),
-        Connection(go_around, flare["go_around"]),
+        Connection(ports["lat", "lon"], localizer["lat", "lon"], glideslope["lat", "lon"]),
+        Connection(ports["h"], glideslope["h"], vertical["h"]),
+        Connection(localizer["ft", "dist"], lateral["loc_ft", "loc_dist"]),
+        Connection(localizer["ft", "dist"], flare["loc_ft", "loc_dist"]),
+        Connection(glideslope["deg", "ft", "dist"], vertical["gs_deg", "gs_ft", "gs_dist"]),
+        Connection(ports["psi", "phi", "p"], lateral["psi", "phi", "p"], flare["psi", "phi", "p"]),
+        Connection(ports["p", "r", "phi", "beta"], damper["p", "r", "phi", "beta"]),
+        Connection(ports["r", "h_agl", "gear/wow"], flare["r", "h_agl", "wow"]),
+        Connection(ports["hdot", "theta", "q"], vertical["hdot", "theta", "q"]),
+        Connection(ports["hdot", "theta", "q"], flare["hdot", "theta", "q"]),
+        Connection(ports["alpha"], vertical["alpha"], flare["alpha"]),
+        Connection(ports["vc"], airspeed["vc"], flare["vc"]),
+        Connection(ports["hdot"], airspeed["hdot"]),
+        Connection(ports["elev_sat"], vertical["elev_sat"]),
+        Connection(ports["ail_sat"], lateral["ail_sat"]),
+        Connection(ports["thr_sat"], airspeed["thr_sat"]),
+        Connection(ports["go_around"], flare["go_around"]),
         Connection(vertical["elevator"], flare["elevator"]),
         Connection(lateral["aileron"], flare["aileron"]),
         Connection(damper["rudder"], flare["rudder"]),
         Connection(airspeed["throttle"], flare["throttle"]),
-        Connection(flare["elevator"], aircraft["elevator"]),
-        Connection(flare["aileron"], aircraft["aileron"]),
-        Connection(flare["rudder"], aircraft["rudder"]),
-        Connection(flare["throttle"], aircraft["throttle"]),
-        Connection(flare["brakes"], aircraft["brakes"]),
-        Connection(flare["steering"], aircraft["steering"]),
-        Connection(flare["phase"], landing[0]),
+        Connection(flare[(*COMMANDS, "phase")], ports[(*COMMANDS, "phase")]),
+        Connection(localizer["ft", "dist"], ports["loc_ft", "loc_dist"]),
+        Connection(glideslope["ft"], ports["gs_ft"]),
+    ],
+)
+
+sim = Simulation(
+    [aircraft, autoland, go_around, height, rates, attitude, ground, landing],
+    [
+        Connection(aircraft[MEASURED], autoland[MEASURED]),
+        Connection(autoland[COMMANDS], aircraft[COMMANDS]),
+        Connection(go_around, autoland["go_around"]),
+        Connection(aircraft["h_agl"], height[0]),
+        Connection(autoland["gs_ft"], height[1]),
+        Connection(aircraft["hdot", "vc"], rates[0, 1]),
+        Connection(aircraft["theta", "phi", "psi"], attitude[0:3]),
+        Connection(autoland["loc_ft", "loc_dist"], ground[0, 1]),
+        Connection(autoland["phase"], landing[0]),
+        Connection(aircraft["gear/wow"], landing[1]),
     ],
     dt=1 / 120,
     log=False,

@@ -76,8 +76,6 @@ def figure():
     return time_histories(
         flight,
         attitude,
-        elevator,
-        aileron,
         throttle,
         title="737: a mission in moderate turbulence",
         references={

@@ -11,7 +11,7 @@ the gain, and the natural frequency stays at 2.0 rad/s. The linear model of the 
 Source: our own, on the 737 of JSBSim.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Amplifier, Scope, StepSource
 
 from pathsim_jsbsim_blocks import Aircraft
@@ -40,23 +40,39 @@ roll = Scope(
     labels=["roll angle, gain 0 [deg]", "roll angle, gain 1 [deg]", "roll angle, gain 2 [deg]"]
 )
 
+
+def with_feedback(plane, gain, rudder):
+    """A plane whose yaw rate moves the rudder beside the pulse."""
+    ports = Interface()
+    ports.register_port_map({"beta": 0, "r": 1, "phi": 2}, {"pulse": 0})
+    return Subsystem(
+        [ports, plane, gain, rudder],
+        [
+            Connection(ports["pulse"], rudder[0]),
+            Connection(plane["r"], gain),
+            Connection(gain, rudder[1]),
+            Connection(rudder, plane["rudder"]),
+            Connection(plane["beta", "r", "phi"], ports["beta", "r", "phi"]),
+        ],
+    )
+
+
+gain_0 = with_feedback(without, less, rudder_less)
+gain_2 = with_feedback(doubled, more, rudder_more)
+
 sim = Simulation(
-    [pulse, without, built_in, doubled, less, more, rudder_less, rudder_more, slip, yaw, roll],
+    [pulse, gain_0, built_in, gain_2, slip, yaw, roll],
     [
-        Connection(pulse, rudder_less[0], built_in["rudder"], rudder_more[0]),
-        Connection(less, rudder_less[1]),
-        Connection(more, rudder_more[1]),
-        Connection(rudder_less, without["rudder"]),
-        Connection(rudder_more, doubled["rudder"]),
-        Connection(without["r"], less, yaw[0]),
-        Connection(built_in["r"], yaw[1]),
-        Connection(doubled["r"], more, yaw[2]),
-        Connection(without["beta"], slip[0]),
+        Connection(pulse, gain_0["pulse"], built_in["rudder"], gain_2["pulse"]),
+        Connection(gain_0["beta"], slip[0]),
+        Connection(gain_0["r"], yaw[0]),
+        Connection(gain_0["phi"], roll[0]),
         Connection(built_in["beta"], slip[1]),
-        Connection(doubled["beta"], slip[2]),
-        Connection(without["phi"], roll[0]),
+        Connection(built_in["r"], yaw[1]),
         Connection(built_in["phi"], roll[1]),
-        Connection(doubled["phi"], roll[2]),
+        Connection(gain_2["beta"], slip[2]),
+        Connection(gain_2["r"], yaw[2]),
+        Connection(gain_2["phi"], roll[2]),
     ],
     dt=1 / 120,
     log=False,

@@ -12,7 +12,7 @@ most, and within 0.1 deg of the new heading at 30 s.
 Source: NASA/TM-2015-218675, atmospheric check case 13.3, and the F-16 that NASA published with it.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Amplifier, Clip, Constant, Function, Scope, StepSource
 
 from pathsim_jsbsim_blocks import JSBSimFDM, TrimCondition
@@ -133,25 +133,56 @@ angles = Scope(labels=["roll angle [deg]", "pitch angle [deg]", "heading [deg]"]
 flight = Scope(labels=["altitude [ft]", "equivalent airspeed [kt]"])
 surfaces = Scope(labels=["elevator [deg]", "aileron [deg]", "rudder [deg]", "power [%]"])
 
-sim = Simulation(
+# from altitude and course to a step of the pitch angle and a bank
+outer = Interface()
+outer.register_port_map({"pitch": 0, "bank": 1}, {"h": 0, "psi": 1, "beta": 2})
+guidance = Subsystem(
     [
-        vehicle,
+        outer,
         altitude_command,
         altitude_error,
         climb,
         pitch_step,
-        design,
-        pitch_error,
         course_command,
         course_step,
         course_error,
         half_turn,
         turn,
         bank_command,
+    ],
+    [
+        Connection(outer["h"], altitude_error[0]),
+        Connection(altitude_command, altitude_error[1]),
+        Connection(altitude_error, climb),
+        Connection(climb, pitch_step),
+        Connection(pitch_step, outer["pitch"]),
+        Connection(outer["psi", "beta"], course_error[0, 1]),
+        Connection(course_command, course_error[2]),
+        Connection(course_step, course_error[3]),
+        Connection(course_error, half_turn),
+        Connection(half_turn, turn),
+        Connection(turn, bank_command),
+        Connection(bank_command, outer["bank"]),
+    ],
+)
+
+# from errors and rates to the control surfaces
+STATES = ["phi", "theta", "alpha", "beta", "p", "q", "r", "ve"]
+SURFACES = ["elevator", "aileron", "rudder", "power"]
+inner = Interface()
+inner.register_port_map(
+    {name: i for i, name in enumerate(SURFACES)},
+    {name: i for i, name in enumerate(["pitch", "bank", *STATES])},
+)
+regulator = Subsystem(
+    [
+        inner,
+        design,
+        pitch_error,
+        alpha_error,
         bank_error,
         airspeed_command,
         airspeed_error,
-        alpha_error,
         longitudinal,
         lateral,
         trim_stick,
@@ -160,50 +191,50 @@ sim = Simulation(
         throttle,
         stops,
         mixer,
-        angles,
-        flight,
-        surfaces,
     ],
     [
-        Connection(vehicle["position/h-sl-ft"], altitude_error[0], flight[0]),
-        Connection(altitude_command, altitude_error[1]),
-        Connection(altitude_error, climb),
-        Connection(climb, pitch_step),
-        Connection(vehicle["attitude/theta-deg"], pitch_error[0], angles[1]),
-        Connection(pitch_step, pitch_error[1]),
+        Connection(inner["theta", "pitch"], pitch_error[0, 1]),
         Connection(design, pitch_error[2], alpha_error[1]),
-        Connection(vehicle["attitude/psi-deg"], course_error[0], angles[2]),
-        Connection(vehicle["aero/beta-deg"], course_error[1], lateral[1]),
-        Connection(course_command, course_error[2]),
-        Connection(course_step, course_error[3]),
-        Connection(course_error, half_turn),
-        Connection(half_turn, turn),
-        Connection(turn, bank_command),
-        Connection(vehicle["attitude/phi-deg"], bank_error[0], angles[0]),
-        Connection(bank_command, bank_error[1]),
-        Connection(vehicle["velocities/ve-kts"], airspeed_error[0], flight[1]),
+        Connection(inner["alpha"], alpha_error[0]),
+        Connection(inner["phi", "bank"], bank_error[0, 1]),
+        Connection(inner["ve"], airspeed_error[0]),
         Connection(airspeed_command, airspeed_error[1]),
-        Connection(vehicle["aero/alpha-deg"], alpha_error[0]),
         Connection(airspeed_error, longitudinal[0]),
         Connection(alpha_error, longitudinal[1]),
-        Connection(vehicle["velocities/qi-rad_sec"], longitudinal[2]),
+        Connection(inner["q"], longitudinal[2]),
         Connection(pitch_error, longitudinal[3]),
         Connection(bank_error, lateral[0]),
-        Connection(vehicle["velocities/pi-rad_sec"], lateral[2]),
-        Connection(vehicle["velocities/ri-rad_sec"], lateral[3]),
+        Connection(inner["beta", "p", "r"], lateral[1:4]),
         Connection(longitudinal[0], stick[0]),
         Connection(trim_stick, stick[1]),
         Connection(longitudinal[1], throttle[0]),
         Connection(trim_throttle, throttle[1]),
         Connection(stick, stops[0]),
         Connection(throttle, stops[1]),
-        Connection(lateral[0], stops[2]),
-        Connection(lateral[1], stops[3]),
+        Connection(lateral[0:2], stops[2, 3]),
         Connection(stops[0:4], mixer[0:4]),
-        Connection(mixer[0], vehicle["nesc_f16/elevator-deg"], surfaces[0]),
-        Connection(mixer[1], vehicle["nesc_f16/aileron-deg"], surfaces[1]),
-        Connection(mixer[2], vehicle["nesc_f16/rudder-deg"], surfaces[2]),
-        Connection(mixer[3], vehicle["nesc_f16/power-pct"], surfaces[3]),
+        Connection(mixer[0:4], inner[SURFACES]),
+    ],
+)
+
+sim = Simulation(
+    [vehicle, guidance, regulator, angles, flight, surfaces],
+    [
+        Connection(vehicle["position/h-sl-ft"], guidance["h"], flight[0]),
+        Connection(vehicle["attitude/psi-deg"], guidance["psi"], angles[2]),
+        Connection(vehicle["aero/beta-deg"], guidance["beta"], regulator["beta"]),
+        Connection(guidance["pitch", "bank"], regulator["pitch", "bank"]),
+        Connection(vehicle["attitude/phi-deg"], regulator["phi"], angles[0]),
+        Connection(vehicle["attitude/theta-deg"], regulator["theta"], angles[1]),
+        Connection(vehicle["aero/alpha-deg"], regulator["alpha"]),
+        Connection(vehicle["velocities/pi-rad_sec"], regulator["p"]),
+        Connection(vehicle["velocities/qi-rad_sec"], regulator["q"]),
+        Connection(vehicle["velocities/ri-rad_sec"], regulator["r"]),
+        Connection(vehicle["velocities/ve-kts"], regulator["ve"], flight[1]),
+        Connection(regulator["elevator"], vehicle["nesc_f16/elevator-deg"], surfaces[0]),
+        Connection(regulator["aileron"], vehicle["nesc_f16/aileron-deg"], surfaces[1]),
+        Connection(regulator["rudder"], vehicle["nesc_f16/rudder-deg"], surfaces[2]),
+        Connection(regulator["power"], vehicle["nesc_f16/power-pct"], surfaces[3]),
     ],
     dt=1 / 200,
     log=False,

@@ -11,7 +11,7 @@ Expected: each is within 0.5 deg after 1.9 s (c172p) to 3.1 s (A320), with an ov
 Source: our own.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Scope, StepSource
 
 from pathsim_jsbsim_blocks import Aircraft, PitchHold
@@ -54,58 +54,63 @@ elevator = Scope(
     ]
 )
 
+
+def loop(plane, hold):
+    """A plane with its hold: the commanded step in, pitch angle and elevator out."""
+    ports = Interface()
+    ports.register_port_map({"theta": 0, "elevator": 1}, {"theta_ref": 0})
+    return Subsystem(
+        [ports, plane, hold],
+        [
+            Connection(ports["theta_ref"], hold["theta_ref"]),
+            Connection(plane["theta", "q", "elev_sat"], hold["theta", "q", "elev_sat"]),
+            Connection(plane["theta"], ports["theta"]),
+            Connection(hold["elevator"], plane["elevator"], ports["elevator"]),
+        ],
+    )
+
+
+loop_c172p = loop(c172p, hold_c172p)
+loop_b737 = loop(b737, hold_b737)
+loop_global5000 = loop(global5000, hold_global5000)
+loop_a320 = loop(a320, hold_a320)
+loop_b747 = loop(b747, hold_b747)
+loop_t38 = loop(t38, hold_t38)
+
 sim = Simulation(
     [
-        c172p,
-        b737,
-        global5000,
-        a320,
-        b747,
-        t38,
-        hold_c172p,
-        hold_b737,
-        hold_global5000,
-        hold_a320,
-        hold_b747,
-        hold_t38,
         step,
+        loop_c172p,
+        loop_b737,
+        loop_global5000,
+        loop_a320,
+        loop_b747,
+        loop_t38,
         pitch,
         elevator,
     ],
     [
         Connection(
             step,
-            hold_c172p["theta_ref"],
-            hold_b737["theta_ref"],
-            hold_global5000["theta_ref"],
-            hold_a320["theta_ref"],
-            hold_b747["theta_ref"],
-            hold_t38["theta_ref"],
+            loop_c172p,
+            loop_b737,
+            loop_global5000,
+            loop_a320,
+            loop_b747,
+            loop_t38,
         ),
-        Connection(c172p["theta"], hold_c172p["theta"], pitch[0]),
-        Connection(c172p["q"], hold_c172p["q"]),
-        Connection(c172p["elev_sat"], hold_c172p["elev_sat"]),
-        Connection(hold_c172p["elevator"], c172p["elevator"], elevator[0]),
-        Connection(b737["theta"], hold_b737["theta"], pitch[1]),
-        Connection(b737["q"], hold_b737["q"]),
-        Connection(b737["elev_sat"], hold_b737["elev_sat"]),
-        Connection(hold_b737["elevator"], b737["elevator"], elevator[1]),
-        Connection(global5000["theta"], hold_global5000["theta"], pitch[2]),
-        Connection(global5000["q"], hold_global5000["q"]),
-        Connection(global5000["elev_sat"], hold_global5000["elev_sat"]),
-        Connection(hold_global5000["elevator"], global5000["elevator"], elevator[2]),
-        Connection(a320["theta"], hold_a320["theta"], pitch[3]),
-        Connection(a320["q"], hold_a320["q"]),
-        Connection(a320["elev_sat"], hold_a320["elev_sat"]),
-        Connection(hold_a320["elevator"], a320["elevator"], elevator[3]),
-        Connection(b747["theta"], hold_b747["theta"], pitch[4]),
-        Connection(b747["q"], hold_b747["q"]),
-        Connection(b747["elev_sat"], hold_b747["elev_sat"]),
-        Connection(hold_b747["elevator"], b747["elevator"], elevator[4]),
-        Connection(t38["theta"], hold_t38["theta"], pitch[5]),
-        Connection(t38["q"], hold_t38["q"]),
-        Connection(t38["elev_sat"], hold_t38["elev_sat"]),
-        Connection(hold_t38["elevator"], t38["elevator"], elevator[5]),
+        Connection(loop_c172p["theta"], pitch[0]),
+        Connection(loop_c172p["elevator"], elevator[0]),
+        Connection(loop_b737["theta"], pitch[1]),
+        Connection(loop_b737["elevator"], elevator[1]),
+        Connection(loop_global5000["theta"], pitch[2]),
+        Connection(loop_global5000["elevator"], elevator[2]),
+        Connection(loop_a320["theta"], pitch[3]),
+        Connection(loop_a320["elevator"], elevator[3]),
+        Connection(loop_b747["theta"], pitch[4]),
+        Connection(loop_b747["elevator"], elevator[4]),
+        Connection(loop_t38["theta"], pitch[5]),
+        Connection(loop_t38["elevator"], elevator[5]),
     ],
     dt=1 / 120,
     log=False,

@@ -12,7 +12,7 @@ Source: our own; lengths and velocities of 14 CFR 25.341(a). The aircraft is rig
 aerodynamics are quasi-steady, which a certification would not accept.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Scope
 
 from pathsim_jsbsim_blocks import Aircraft, OneMinusCosineGust
@@ -36,32 +36,47 @@ plane_350 = Aircraft("737", altitude, speed, gear=0.0)
 gusts = Scope(labels=["30 ft", "90 ft", "150 ft", "200 ft", "350 ft"])
 load_factors = Scope(labels=["30 ft", "90 ft", "150 ft", "200 ft", "350 ft"])
 
+
+def encounter(gust, plane):
+    """A plane that meets a gust: its velocity and the load factor out."""
+    ports = Interface()
+    ports.register_port_map({"gust": 0, "nz": 1}, {})
+    return Subsystem(
+        [ports, gust, plane],
+        [
+            Connection(gust, plane["wind_down"], ports["gust"]),
+            Connection(plane["nz"], ports["nz"]),
+        ],
+    )
+
+
+gradient_30 = encounter(gust_30, plane_30)
+gradient_90 = encounter(gust_90, plane_90)
+gradient_150 = encounter(gust_150, plane_150)
+gradient_200 = encounter(gust_200, plane_200)
+gradient_350 = encounter(gust_350, plane_350)
+
 sim = Simulation(
     [
-        gust_30,
-        gust_90,
-        gust_150,
-        gust_200,
-        gust_350,
-        plane_30,
-        plane_90,
-        plane_150,
-        plane_200,
-        plane_350,
+        gradient_30,
+        gradient_90,
+        gradient_150,
+        gradient_200,
+        gradient_350,
         gusts,
         load_factors,
     ],
     [
-        Connection(gust_30, plane_30["wind_down"], gusts[0]),
-        Connection(gust_90, plane_90["wind_down"], gusts[1]),
-        Connection(gust_150, plane_150["wind_down"], gusts[2]),
-        Connection(gust_200, plane_200["wind_down"], gusts[3]),
-        Connection(gust_350, plane_350["wind_down"], gusts[4]),
-        Connection(plane_30["nz"], load_factors[0]),
-        Connection(plane_90["nz"], load_factors[1]),
-        Connection(plane_150["nz"], load_factors[2]),
-        Connection(plane_200["nz"], load_factors[3]),
-        Connection(plane_350["nz"], load_factors[4]),
+        Connection(gradient_30["gust"], gusts[0]),
+        Connection(gradient_30["nz"], load_factors[0]),
+        Connection(gradient_90["gust"], gusts[1]),
+        Connection(gradient_90["nz"], load_factors[1]),
+        Connection(gradient_150["gust"], gusts[2]),
+        Connection(gradient_150["nz"], load_factors[2]),
+        Connection(gradient_200["gust"], gusts[3]),
+        Connection(gradient_200["nz"], load_factors[3]),
+        Connection(gradient_350["gust"], gusts[4]),
+        Connection(gradient_350["nz"], load_factors[4]),
     ],
     dt=1 / 120,
     log=False,

@@ -13,7 +13,7 @@ Windshear Risk Through Airborne Systems Technology*, ICAS 1990: the climb angle 
 costs at constant airspeed and thrust.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Scope
 
 from pathsim_jsbsim_blocks import Aircraft, AirspeedHold, Microburst, PitchHold
@@ -29,24 +29,32 @@ flight = Scope(labels=["altitude [ft]", "calibrated airspeed [kt]", "throttle in
 wind = Scope(labels=["tailwind [ft/s]", "downdraft [ft/s]", "true airspeed [ft/s]"])
 still = Scope(labels=["altitude in still air [ft]"])
 
-sim = Simulation(
-    [in_burst, in_calm, burst, pitch, airspeed, flight, wind, still],
+ports = Interface()
+ports.register_port_map(
+    {"h": 0, "vc": 1, "throttle": 2, "north": 3, "down": 4, "vt": 5},
+    {},
+)
+approach = Subsystem(
+    [ports, in_burst, burst, pitch, airspeed],
     [
-        Connection(in_burst["lat"], burst["lat"]),
-        Connection(in_burst["lon"], burst["lon"]),
-        Connection(in_burst["h"], burst["h"], flight[0]),
-        Connection(burst["north"], in_burst["wind_north"], wind[0]),
-        Connection(burst["east"], in_burst["wind_east"]),
-        Connection(burst["down"], in_burst["wind_down"], wind[1]),
-        Connection(in_burst["vt"], wind[2]),
-        Connection(in_burst["theta"], pitch["theta"]),
-        Connection(in_burst["q"], pitch["q"]),
-        Connection(in_burst["elev_sat"], pitch["elev_sat"]),
-        Connection(in_burst["vc"], airspeed["vc"], flight[1]),
-        Connection(in_burst["hdot"], airspeed["hdot"]),
-        Connection(in_burst["thr_sat"], airspeed["thr_sat"]),
+        Connection(in_burst["lat", "lon", "h"], burst["lat", "lon", "h"]),
+        Connection(
+            burst["north", "east", "down"], in_burst["wind_north", "wind_east", "wind_down"]
+        ),
+        Connection(in_burst["theta", "q", "elev_sat"], pitch["theta", "q", "elev_sat"]),
+        Connection(in_burst["vc", "hdot", "thr_sat"], airspeed["vc", "hdot", "thr_sat"]),
         Connection(pitch["elevator"], in_burst["elevator"]),
-        Connection(airspeed["throttle"], in_burst["throttle"], flight[2]),
+        Connection(airspeed["throttle"], in_burst["throttle"], ports["throttle"]),
+        Connection(in_burst["h", "vc", "vt"], ports["h", "vc", "vt"]),
+        Connection(burst["north", "down"], ports["north", "down"]),
+    ],
+)
+
+sim = Simulation(
+    [approach, in_calm, flight, wind, still],
+    [
+        Connection(approach["h", "vc", "throttle"], flight[0:3]),
+        Connection(approach["north", "down", "vt"], wind[0:3]),
         Connection(in_calm["h"], still),
     ],
     dt=1 / 120,
@@ -68,24 +76,23 @@ def figure():
     time, (h, vc, throttle) = flight.read()
     _, (tailwind, downdraft, _) = wind.read()
     _, (h_still,) = still.read()
-    drawing, axes = plt.subplots(4, 1, sharex=True, layout="constrained", figsize=(9, 10))
+    drawing, axes = plt.subplots(5, 1, sharex=True, layout="constrained", figsize=(9, 11))
     axes[0].plot(time, h, label="in the microburst")
     axes[0].plot(time, h_still, "k--", linewidth=0.9, label="in still air")
     axes[1].plot(time, tailwind, label="tailwind")
     axes[1].plot(time, downdraft, label="downdraft")
     axes[2].plot(time, f_factor(), "C3")
-    axes[3].plot(time, vc, "C0")
-    power = axes[3].twinx()
-    power.plot(time, throttle, "C1")
+    axes[3].plot(time, vc)
+    axes[4].plot(time, throttle)
     axes[0].set_ylabel("altitude [ft]")
     axes[1].set_ylabel("wind [ft/s]")
     axes[2].set_ylabel("F-factor [-]")
-    axes[3].set_ylabel("airspeed [KCAS]", color="C0")
-    power.set_ylabel("throttle increment [-]", color="C1")
+    axes[3].set_ylabel("airspeed [KCAS]")
+    axes[4].set_ylabel("throttle increment [-]")
     axes[0].legend(loc="upper right", fontsize="small")
     axes[1].legend(loc="upper left", fontsize="small")
-    axes[3].set_xlabel("time [s]")
-    axes[3].set_xlim(0.0, DURATION)
+    axes[4].set_xlabel("time [s]")
+    axes[4].set_xlim(0.0, DURATION)
     for ax in axes:
         ax.grid(alpha=0.4)
     drawing.suptitle("737: a microburst on the approach")

@@ -12,7 +12,7 @@ creeps up to the 55 kt. Without it, 46.5 kt and 24.2 deg, and 4078 ft are lost i
 Source: our own.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Scope, StepSource
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
@@ -30,44 +30,39 @@ angles = Scope(
 )
 heights = Scope(labels=["altitude, alpha wired [ft]", "altitude, alpha not wired [ft]"])
 
+FLOWN = ["theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc", "elev_sat", "ail_sat", "thr_sat"]
+COMMANDS = ["elevator", "aileron", "rudder", "throttle"]
+SHOWN = ["vc", "alpha", "h"]
+
+
+def loop(plane, autopilot, flown):
+    """A plane with its autopilot, which measures what is listed."""
+    ports = Interface()
+    ports.register_port_map({"vc": 0, "alpha": 1, "h": 2}, {"vc_ref": 0})
+    return Subsystem(
+        [ports, plane, autopilot],
+        [
+            Connection(ports["vc_ref"], autopilot["vc_ref"]),
+            Connection(plane[flown], autopilot[flown]),
+            Connection(autopilot[COMMANDS], plane[COMMANDS]),
+            Connection(plane[SHOWN], ports[SHOWN]),
+        ],
+    )
+
+
+alpha_wired = loop(protected, watching, [*FLOWN, "alpha"])
+not_wired = loop(plain, blind, FLOWN)
+
 sim = Simulation(
-    [slower, protected, watching, plain, blind, speeds, angles, heights],
+    [slower, alpha_wired, not_wired, speeds, angles, heights],
     [
-        Connection(slower, watching["vc_ref"], blind["vc_ref"]),
-        Connection(protected["theta"], watching["theta"]),
-        Connection(protected["phi"], watching["phi"]),
-        Connection(protected["psi"], watching["psi"]),
-        Connection(protected["p"], watching["p"]),
-        Connection(protected["q"], watching["q"]),
-        Connection(protected["r"], watching["r"]),
-        Connection(protected["h"], watching["h"], heights[0]),
-        Connection(protected["hdot"], watching["hdot"]),
-        Connection(protected["vc"], watching["vc"], speeds[0]),
-        Connection(protected["alpha"], watching["alpha"], angles[0]),
-        Connection(protected["elev_sat"], watching["elev_sat"]),
-        Connection(protected["ail_sat"], watching["ail_sat"]),
-        Connection(protected["thr_sat"], watching["thr_sat"]),
-        Connection(watching["elevator"], protected["elevator"]),
-        Connection(watching["aileron"], protected["aileron"]),
-        Connection(watching["rudder"], protected["rudder"]),
-        Connection(watching["throttle"], protected["throttle"]),
-        Connection(plain["theta"], blind["theta"]),
-        Connection(plain["phi"], blind["phi"]),
-        Connection(plain["psi"], blind["psi"]),
-        Connection(plain["p"], blind["p"]),
-        Connection(plain["q"], blind["q"]),
-        Connection(plain["r"], blind["r"]),
-        Connection(plain["h"], blind["h"], heights[1]),
-        Connection(plain["hdot"], blind["hdot"]),
-        Connection(plain["vc"], blind["vc"], speeds[1]),
-        Connection(plain["alpha"], angles[1]),
-        Connection(plain["elev_sat"], blind["elev_sat"]),
-        Connection(plain["ail_sat"], blind["ail_sat"]),
-        Connection(plain["thr_sat"], blind["thr_sat"]),
-        Connection(blind["elevator"], plain["elevator"]),
-        Connection(blind["aileron"], plain["aileron"]),
-        Connection(blind["rudder"], plain["rudder"]),
-        Connection(blind["throttle"], plain["throttle"]),
+        Connection(slower, alpha_wired, not_wired),
+        Connection(alpha_wired["vc"], speeds[0]),
+        Connection(not_wired["vc"], speeds[1]),
+        Connection(alpha_wired["alpha"], angles[0]),
+        Connection(not_wired["alpha"], angles[1]),
+        Connection(alpha_wired["h"], heights[0]),
+        Connection(not_wired["h"], heights[1]),
     ],
     dt=1 / 120,
     log=False,

@@ -13,7 +13,7 @@ the same.
 Source: our own; MIL-F-8785C, 3.7.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Scope
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot, DrydenTurbulence
@@ -29,37 +29,42 @@ altitude = Scope(labels=["controls fixed [ft]", "autopilot [ft]"])
 load_factor = Scope(labels=["controls fixed [g]", "autopilot [g]"])
 gust = Scope(labels=["downward velocity [ft/s]"])
 
-sim = Simulation(
-    [held, air_of_held, flown, air_of_flown, autopilot, altitude, load_factor, gust],
+WIND = ["wind_north", "wind_east", "wind_down"]
+FLOWN = ["theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc", "elev_sat", "ail_sat", "thr_sat"]
+COMMANDS = ["elevator", "aileron", "rudder", "throttle"]
+
+ports_of_held = Interface()
+ports_of_held.register_port_map({"h": 0, "nz": 1}, {})
+controls_fixed = Subsystem(
+    [ports_of_held, held, air_of_held],
     [
-        Connection(held["h"], air_of_held["h"], altitude[0]),
-        Connection(held["vt"], air_of_held["vt"]),
-        Connection(held["psi"], air_of_held["psi"]),
-        Connection(air_of_held["north"], held["wind_north"]),
-        Connection(air_of_held["east"], held["wind_east"]),
-        Connection(air_of_held["down"], held["wind_down"]),
-        Connection(held["nz"], load_factor[0]),
-        Connection(flown["h"], air_of_flown["h"], autopilot["h"], altitude[1]),
-        Connection(flown["vt"], air_of_flown["vt"]),
-        Connection(flown["psi"], air_of_flown["psi"], autopilot["psi"]),
-        Connection(air_of_flown["north"], flown["wind_north"]),
-        Connection(air_of_flown["east"], flown["wind_east"]),
-        Connection(air_of_flown["down"], flown["wind_down"], gust),
-        Connection(flown["nz"], load_factor[1]),
-        Connection(flown["theta"], autopilot["theta"]),
-        Connection(flown["phi"], autopilot["phi"]),
-        Connection(flown["p"], autopilot["p"]),
-        Connection(flown["q"], autopilot["q"]),
-        Connection(flown["r"], autopilot["r"]),
-        Connection(flown["hdot"], autopilot["hdot"]),
-        Connection(flown["vc"], autopilot["vc"]),
-        Connection(flown["elev_sat"], autopilot["elev_sat"]),
-        Connection(flown["ail_sat"], autopilot["ail_sat"]),
-        Connection(flown["thr_sat"], autopilot["thr_sat"]),
-        Connection(autopilot["elevator"], flown["elevator"]),
-        Connection(autopilot["aileron"], flown["aileron"]),
-        Connection(autopilot["rudder"], flown["rudder"]),
-        Connection(autopilot["throttle"], flown["throttle"]),
+        Connection(held["h", "vt", "psi"], air_of_held["h", "vt", "psi"]),
+        Connection(air_of_held["north", "east", "down"], held[WIND]),
+        Connection(held["h", "nz"], ports_of_held["h", "nz"]),
+    ],
+)
+ports_of_flown = Interface()
+ports_of_flown.register_port_map({"h": 0, "nz": 1, "gust": 2}, {})
+on_autopilot = Subsystem(
+    [ports_of_flown, flown, air_of_flown, autopilot],
+    [
+        Connection(flown["h", "vt", "psi"], air_of_flown["h", "vt", "psi"]),
+        Connection(air_of_flown["north", "east", "down"], flown[WIND]),
+        Connection(flown[FLOWN], autopilot[FLOWN]),
+        Connection(autopilot[COMMANDS], flown[COMMANDS]),
+        Connection(flown["h", "nz"], ports_of_flown["h", "nz"]),
+        Connection(air_of_flown["down"], ports_of_flown["gust"]),
+    ],
+)
+
+sim = Simulation(
+    [controls_fixed, on_autopilot, altitude, load_factor, gust],
+    [
+        Connection(controls_fixed["h"], altitude[0]),
+        Connection(on_autopilot["h"], altitude[1]),
+        Connection(controls_fixed["nz"], load_factor[0]),
+        Connection(on_autopilot["nz"], load_factor[1]),
+        Connection(on_autopilot["gust"], gust),
     ],
     dt=1 / 120,
     log=False,
@@ -87,7 +92,7 @@ def figure():
         ("controls fixed", "autopilot"), ("C0", "C1"), h, nz, strict=True
     ):
         above.plot(time, x, color, label=label)
-        middle.plot(time, n, color, linewidth=0.7, label=label)
+        middle.plot(time, n, color, linewidth=1.2, label=label)
     for label, color, density in zip(
         ("controls fixed", "autopilot"), ("C0", "C1"), densities, strict=True
     ):
@@ -98,7 +103,7 @@ def figure():
     above.legend(loc="upper left", fontsize="small")
     middle.set_ylabel("load factor nz [g]")
     middle.set_xlabel("time [s]")
-    middle.set_xlim(60.0, 80.0)
+    middle.set_xlim(60.0, 68.0)
     middle.set_ylim(0.2, 1.8)
     below.set_xlim(0.05, 10.0)
     below.set_ylim(1e-5, 1.0)

@@ -10,7 +10,7 @@ with the damper the ratio is 0.40.
 Source: our own, on the aircraft and the condition of the published pitch hold.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Scope, StepSource
 
 from pathsim_jsbsim_blocks import Aircraft, YawDamper
@@ -26,16 +26,28 @@ yaw = Scope(labels=["yaw rate, bare [deg/s]", "yaw rate, damped [deg/s]"])
 slip = Scope(labels=["sideslip angle, bare [deg]", "sideslip angle, damped [deg]"])
 command = Scope(labels=["rudder, bare [-]", "rudder, damped [-]"])
 
-sim = Simulation(
-    [pulse, bare, damped, damper, rudder, yaw, slip, command],
+ports = Interface()
+ports.register_port_map({"r": 0, "beta": 1, "rudder": 2}, {"pulse": 0})
+with_damper = Subsystem(
+    [ports, damped, damper, rudder],
     [
-        Connection(pulse, bare["rudder"], rudder[0], command[0]),
-        Connection(damped["r"], damper["r"], yaw[1]),
+        Connection(ports["pulse"], rudder[0]),
+        Connection(damped["r"], damper["r"]),
         Connection(damper["rudder"], rudder[1]),
-        Connection(rudder, damped["rudder"], command[1]),
+        Connection(rudder, damped["rudder"], ports["rudder"]),
+        Connection(damped["r", "beta"], ports["r", "beta"]),
+    ],
+)
+
+sim = Simulation(
+    [pulse, bare, with_damper, yaw, slip, command],
+    [
+        Connection(pulse, bare["rudder"], with_damper["pulse"], command[0]),
         Connection(bare["r"], yaw[0]),
         Connection(bare["beta"], slip[0]),
-        Connection(damped["beta"], slip[1]),
+        Connection(with_damper["r"], yaw[1]),
+        Connection(with_damper["beta"], slip[1]),
+        Connection(with_damper["rudder"], command[1]),
     ],
     dt=1 / 120,
     log=False,

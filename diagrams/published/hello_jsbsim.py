@@ -43,7 +43,7 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(scope, title="c172p, trimmed: 1 s of nothing happening")
+    return time_histories(scope, title="c172p, trimmed: 1 s of level flight")
 
 
 if __name__ == "__main__":

@@ -45,7 +45,13 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(scope, title="first-order lag: tau = 2 s")
+    drawing = time_histories(scope, title="first-order lag: tau = 2 s")
+    _, response, analytic = drawing.axes[0].lines
+    response.set(linestyle="-", color="C0")
+    analytic.set(linestyle="none", marker="o", markersize=5, markevery=40, color="C1")
+    drawing.axes[0].lines[0].set(linestyle="--", color="0.5")
+    drawing.axes[0].legend(loc="lower right")
+    return drawing
 
 
 if __name__ == "__main__":

@@ -272,7 +272,9 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
         rounding = _ROUNDING * max(1, abs(reference[quantity.column]).max())
         if _band(case, quantity, reference).max() > rounding:
             panels[name] = quantity
-    of_band = "NASA's " + ("three simulators" if case in _F16 else "simulators but the worst")
+    of_band = "NASA's " + (
+        "three simulators" if case in _F16 else "simulators without the farthest"
+    )
     rows = math.ceil(len(panels) / 2)
     figure, axes = subplots(
         rows, 2, sharex=True, squeeze=False, layout="constrained", figsize=(8, 1 + 1.7 * rows)

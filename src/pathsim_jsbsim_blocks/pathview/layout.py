@@ -13,7 +13,7 @@ from typing import NamedTuple
 from .diagram import Graph, Node
 
 GRID = 10  # PathView's grid, px
-PAGE = 1000  # px, width at which a diagram is readable on a page; a longer chain is wrapped
+PAGE = 800  # px, width at which a diagram is readable on a page; a longer chain is wrapped
 _PORT = 20  # px between ports
 _ROW = 60  # px, free height between blocks
 _GAP = 50  # px, free width between columns, plus GRID for each wire that turns there

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest, refuse
+from .._core.checks import did_you_mean, nearest, one_of, refuse
 from ..plots import subplots
 from .modes import MODES, POLES, column
 
@@ -64,10 +66,10 @@ def _trimmed(table: Any, chart: str, study: str, columns: Sequence[str]) -> pd.D
 
 @_chart(
     "aoa_vs_cas, aoa_vs_cas_loading or a trim_sweep over speed",
-    "requested_altitude_ft speed_kcas alpha_deg elevator_rad elevator_norm weight_lb cg_x_in",
+    "requested_altitude_ft speed_kcas alpha_deg elevator_rad weight_lb cg_x_in",
 )
 def alpha_elevator_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
-    """Angle of attack and elevator deflection in trim against airspeed, in three panels.
+    """Angle of attack and elevator deflection in trim against airspeed, in two panels.
 
     One line for each altitude and, if the table has them, weight case and CG shift (of the
     empty-weight CG, in inches). The legend gives weight and CG of the first point of each line.
@@ -86,15 +88,14 @@ def alpha_elevator_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Fi
     """
     lines = list(_lines(trimmed))
     figure, axes = subplots(
-        3, 1, sharex=True, figsize=(8, 8 + 0.2 * len(lines)), layout="constrained"
+        2, 1, sharex=True, figsize=(8, 6 + 0.2 * len(lines)), layout="constrained"
     )
     for label, style, rows in lines:
-        curves = (rows.alpha_deg, np.degrees(rows.elevator_rad), rows.elevator_norm)
+        curves = (rows.alpha_deg, np.degrees(rows.elevator_rad))
         for ax, y in zip(axes, curves, strict=True):
             ax.plot(rows.speed_kcas, y, label=label, markersize=4, linewidth=1.2, **style)
     axes[0].set(ylabel="angle of attack [deg]")
-    axes[1].set(ylabel="elevator deflection [deg]")
-    axes[2].set(ylabel="elevator deflection [-]", xlabel="calibrated airspeed [kt]")
+    axes[1].set(ylabel="elevator deflection [deg]", xlabel="calibrated airspeed [kt]")
     for ax in axes:
         ax.grid(alpha=0.4)
     marks = axes[0].get_legend_handles_labels()
@@ -208,11 +209,12 @@ def thrust_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, st
     for ax, (case, rows) in zip(axes[:, 0], cases, strict=True):
         best = rows.loc[rows.thrust_lb.idxmin()]
         ax.plot(rows.thrust_angle_deg, rows.thrust_lb, color="C0")
-        least = f"least: {best.thrust_lb:.0f} lbf at about {best.thrust_angle_deg:.0f} deg"
+        least = f"minimum: {best.thrust_lb:.0f} lbf at about {best.thrust_angle_deg:.0f} deg"
         ax.plot(best.thrust_angle_deg, best.thrust_lb, "o", color="C3", label=least)
         ax.set_title(
             f"{case}: {best.requested_altitude_ft:.0f} ft, {best.speed_kcas:.0f} KCAS, "
-            f"Mach {best.mach:.2f}, flight path angle {best.gamma_deg:.0f} deg"
+            f"Mach {best.mach:.2f}, flight path angle {best.gamma_deg:.0f} deg",
+            fontsize="medium",
         )
         ax.set(xlabel="thrust angle, up positive [deg]")
         ax.set_ylabel("thrust [lbf]", color="C0")
@@ -306,7 +308,7 @@ def modes_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str
     return figure, f"modes in level flight at {altitude:.0f} ft"
 
 
-def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
+def performance_chart(table: pd.DataFrame, title: str = "", charts: Sequence[str] = ()) -> Figure:
     """Performance charts of an aircraft on one page; a panel without values gives the reason.
 
     Parameters
@@ -315,11 +317,14 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
         of `performance_table`
     title : str
         headline
+    charts : sequence of str
+        the panels, by default all: `stall`, `V-n`, `power`, `climb`, `speeds`, `ceiling`,
+        `glide`, `range`, `turn`, `field`
 
     Raises
     ------
     ParameterError
-        if the table is not one of `performance_table`
+        if the table is not one of `performance_table`, or for an unknown panel
     """
     from .performance import COLUMNS
 
@@ -328,25 +333,37 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
     rows = table.dropna(subset=["value"])
     pull = "power" if (rows.quantity == "power required").any() else "thrust"
     speeds = ("stall speed, throttle closed", "lowest level speed", "highest level speed")
-    panels = (
-        ("stall", _stall_speeds, ("stall speed",)),
-        ("V-n", _load_factors, ()),
-        ("level", _over_speed, (f"{pull} available", f"{pull} required")),
-        ("climb", _over_speed, ("rate of climb",)),
-        ("level", _over_altitude, speeds),
-        ("glide", _over_speed, ("sink rate",)),
-        ("turn", _over_speed, ("instantaneous load factor", "sustained load factor")),
-        ("range", _over_speed, ("specific range",)),
-        ("climb", _over_altitude, ("best rate of climb",)),
+    panels = {
+        "stall": ("stall", _stall_speeds, ("stall speed",)),
+        "V-n": ("V-n", _load_factors, ()),
+        "power": ("level", _over_speed, (f"{pull} available", f"{pull} required")),
+        "climb": ("climb", _over_speed, ("rate of climb",)),
+        "speeds": ("level", _over_altitude, speeds),
+        "ceiling": ("climb", _over_altitude, ("best rate of climb",)),
+        "glide": ("glide", _over_speed, ("sink rate",)),
+        "range": ("range", _over_speed, ("specific range",)),
+        "turn": ("turn", _over_speed, ("instantaneous load factor", "sustained load factor")),
+        "field": ("field", _distances, ("landing distance", "take-off distance")),
+    }
+    charts = [one_of("charts", chart, panels) for chart in charts or panels]
+    lines = math.ceil(len(charts) / 2)
+    figure, axes = subplots(
+        lines, 2, squeeze=False, figsize=(10, 0.8 + 4 * lines), layout="constrained"
     )
-    figure, axes = subplots(3, 3, figsize=(15, 12), layout="constrained")
-    for ax, (chart, draw, quantities) in zip(axes.flat, panels, strict=True):
+    for ax, panel in itertools.zip_longest(axes.flat, charts):
+        if panel is None:
+            ax.set_axis_off()
+            continue
+        chart, draw, quantities = panels[panel]
         draw(ax, table[table.chart == "V-n"] if chart == "V-n" else rows, quantities)
-        if ax.lines:
+        if panel == "glide":
+            ax.invert_yaxis()
+        if ax.has_data():
             ax.grid(alpha=0.4)
+            ax.locator_params("x", nbins=6)
             if ax.get_legend_handles_labels()[0]:  # below the panel, clear of the curves
                 ax.legend(
-                    loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2, fontsize="x-small"
+                    loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize="small"
                 )
             continue
         ax.set_axis_off()
@@ -354,14 +371,11 @@ def performance_chart(table: pd.DataFrame, title: str = "") -> Figure:
         why = table[(table.chart == chart) & table.value.isna()]
         why = (failed if why.empty else why).reason.unique()
         ax.text(0.5, 0.5, f"no {chart} chart:\n{', '.join(map(str, why))}", ha="center", wrap=True)
-    axes[1, 2].invert_yaxis()
-    if holes := _holes(table):
-        figure.supxlabel(holes, fontsize="x-small", wrap=True)
-    worst = table.difference_percent.abs()
-    checked = f"{worst.count()} values flown, half of them within {worst.median():.2g} %"
-    field = rows[rows.quantity.isin(["take-off distance", "landing distance"])]
-    runs = [f"{row.quantity} {row.value:.0f} ft" for row in field.itertuples()]
-    figure.suptitle(title or _named(table, f"performance; {'; '.join([*runs, checked])}"))
+    notes, flown = [_holes(table)], table.difference_percent.abs().dropna()
+    if len(flown):
+        notes.append(f"{len(flown)} values flown, half of them within {flown.median():.2g} %")
+    figure.supxlabel("\n".join(notes).strip(), fontsize="small", wrap=True)
+    figure.suptitle(title or _named(table, "performance"))
     return figure
 
 
@@ -381,7 +395,7 @@ def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> Non
         rows = table[table.quantity == quantity]
         for i, ((height, weight), line) in enumerate(rows.groupby(["altitude_ft", "weight_lb"])):
             label = f"{height:.0f} ft, {weight:.0f} lb" if style == "-" else None
-            ax.plot(line.speed_kcas, line.value, f"{style}.", color=f"C{i}", label=label)
+            ax.plot(line.speed_kcas, line.value, f".{style}", color=f"C{i}", label=label)
         for unit in rows.unit[:1]:
             ax.set_ylabel(",\ndotted: ".join(quantities) + f" [{unit}]")
     ax.set_xlabel("calibrated airspeed [kt]")
@@ -408,6 +422,15 @@ def _over_altitude(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> 
         for height in table[table.quantity == ceiling].value if ax.lines else ():
             ax.axhline(height, color="0.4", linestyle=style, label=f"{ceiling} {height:.0f} ft")
     ax.set_ylabel("altitude [ft]")
+
+
+def _distances(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
+    """Distances to and from the screen height, as bars."""
+    for row in table[table.quantity.isin(quantities)].itertuples():
+        name = f"{row.quantity.removesuffix(' distance')}\n{row.altitude_ft:.0f} ft"
+        ax.bar_label(ax.barh(f"{name}, {row.weight_lb:.0f} lb", row.value), fmt="%.0f ft")
+    ax.set_xlabel("distance over the screen height [ft]")
+    ax.margins(x=0.2)
 
 
 def _load_factors(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str]) -> None:
