@@ -167,6 +167,7 @@ def gallery_cell(name):
 def diagram_page(name):
     """The page of a diagram: what it shows, its figures, its model, its script."""
     summary, rest = docstring(name)
+    summary = summary.replace("`", "")  # bold text has no code in it
     shown = [f"{name}{kind}" for kind in ("", "_track", "_troposphere")]
     shown = [picture for picture in shown if pictured(picture)]
     # the diagram, and then what is inside its subsystems

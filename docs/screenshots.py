@@ -104,7 +104,7 @@ def take_report(browser):
     with tempfile.TemporaryDirectory() as folder:
         file, shot = Path(folder) / "flight.html", Path(folder) / "shot.png"
         cli.main(["run", REPORT, "--track", str(file), "--save", str(shot)])
-        page = browser.new_page(viewport={"width": 1280, "height": 632})
+        page = browser.new_page(viewport={"width": 1280, "height": 860})
         page.set_default_timeout(180_000)  # plotly is large, a busy machine slow
         page.goto(file.as_uri())
         page.wait_for_selector("body[data-ready]", timeout=180_000)
