@@ -507,16 +507,27 @@ def test_the_table_has_the_names():
     assert table.loc["nz", "alpha"] == model.C[model.outputs.index("nz"), 1]
 
 
-def test_python_control_takes_it():
+@pytest.mark.parametrize("order", [0, 2, 4])
+def test_python_control_takes_it_with_its_delay(order):
     control = pytest.importorskip("control")
     model = plane("737").linear_model("algebraic")
-    system = model.to_control()
+    system = model.to_control(order)
     assert isinstance(system, control.StateSpace)
     assert system.input_labels == list(model.inputs)
-    assert system.state_labels == list(model.states)
-    gain = system(1j)[model.outputs.index("q"), 0]
-    wanted = model.C @ np.linalg.solve(1j * np.eye(len(model.A)) - model.A, model.B) + model.D
-    assert gain == pytest.approx(wanted[model.outputs.index("q"), 0])
+    assert system.output_labels == list(model.outputs)
+    states = [f"{u} delay {k}" for u in model.inputs for k in range(1, order + 1)]
+    assert system.state_labels == [*model.states, *states]
+    wanted = model.C @ np.linalg.solve(4j * np.eye(len(model.A)) - model.A, model.B) + model.D
+    if order:
+        wanted = wanted * np.exp(-4j * model.delay)
+    assert system(4j) == pytest.approx(wanted, rel=1e-6)
+
+
+@pytest.mark.parametrize("order", [-1, 1.5, None])
+def test_an_order_that_cannot_be_is_refused(order):
+    with pytest.raises(ParameterError) as refused:
+        plane("737").linear_model("algebraic").to_control(order)
+    assert refused.value.parameter == "pade"
 
 
 def test_the_block_flies_beside_the_aircraft():

@@ -15,6 +15,7 @@ from scipy.linalg import expm
 from .._core.checks import (
     as_path,
     did_you_mean,
+    integer,
     mapping,
     must_be,
     name_list,
@@ -283,21 +284,37 @@ class LinearModel:
             D,
         )
 
-    def to_control(self) -> control.StateSpace:
-        """A python-control ``StateSpace`` with the names, increments in and out.
+    def to_control(self, pade: int = 2) -> control.StateSpace:
+        """A python-control ``StateSpace`` with the names of inputs, outputs and states.
 
-        It has no delay: in a loop, ``delay`` comes on top (`control.pade`).
+        Its inputs and outputs are increments about the trim. `delay`, latency and half a period of
+        hold, is a Pade approximation on each input, whose states come last ("elevator delay 1").
+
+        Parameters
+        ----------
+        pade : int
+            order of the approximation; 0 for none, and for the states of the aircraft alone
 
         Raises
         ------
         MissingExtraError
             if python-control (extra ``analysis``) is not installed
+        ParameterError
+            if the order is not a whole number from 0 on
         """
         control = required("control", "analysis", name="python-control")
-        names = {side: list(getattr(self, side)) for side in _NAMES}
-        matrices = self.A, self.B, self.C, self.D
+        order = integer("pade", pade, low=0)
+        A, B, C, D = self.A, self.B, self.C, self.D
+        states = list(self.states)
+        if order:
+            late = [control.tf2ss(*control.pade(delay, order)) for delay in self.delay]
+            lag = control.append(*late)
+            A = np.block([[A, B @ lag.C], [np.zeros((lag.nstates, len(A))), lag.A]])
+            B, C, D = np.vstack([B @ lag.D, lag.B]), np.hstack([C, D @ lag.C]), D @ lag.D
+            states += [f"{u} delay {k}" for u in self.inputs for k in range(1, order + 1)]
+        names = {"inputs": list(self.inputs), "outputs": list(self.outputs), "states": states}
         return control.StateSpace(
-            *matrices, **names, name=self.aircraft, remove_useless_states=False
+            A, B, C, D, **names, name=self.aircraft, remove_useless_states=False
         )
 
     def to_frame(self) -> pd.DataFrame:

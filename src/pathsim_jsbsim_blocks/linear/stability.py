@@ -32,6 +32,9 @@ EXTRA_DELAY = 0.05  # s
 class Margins:
     """Stability margins of a loop L with negative feedback, and its frequency response.
 
+    They are distances of a stable closed loop from instability; of an unstable one python-control
+    gives numbers too.
+
     Attributes
     ----------
     loop : str
@@ -42,7 +45,8 @@ class Margins:
     phase_crossover : float
         rad/s, where the phase is an odd multiple of 180 deg; NaN without one
     phase_margin : float
-        deg, the smallest; infinite without a crossover
+        deg, the one nearest to 0: positive by more lag, negative by less, as at a phugoid's peak;
+        infinite without a crossover
     crossover : float
         rad/s, where the gain is 1 and the phase margin is measured; NaN without one
     delay_margin : float
