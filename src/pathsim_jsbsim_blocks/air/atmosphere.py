@@ -246,7 +246,8 @@ def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: AltitudeKind = 
     temp_deviation : float or array
         K, added to the standard temperature
     altitude_kind : str
-        "geometric" (height) or "geopotential"
+        "geometric" (height) or "geopotential", which a pilot's altimeter shows, set to 1013.25 hPa;
+        at 11,000 m they are 19 m apart, 0.3 % of the pressure
 
     Returns
     -------
