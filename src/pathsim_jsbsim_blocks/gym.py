@@ -34,8 +34,8 @@ from ._core.checks import (
 from ._core.extras import required
 from ._core.pathsim_internals import port_names, port_number, port_reader, show, values
 from ._core.running import SteppedRun
-from ._core.seeding import draws_from_shared, random_blocks, seed_blocks
 from ._core.wiring import contents, warn_of_wiring
+from ._seeding import draws_from_shared, random_blocks, seed_blocks
 from .catalogue import find_diagram
 from .errors import FlightError
 from .flight import Aircraft

@@ -28,8 +28,8 @@ from pathsim.blocks import Block
 from pathsim.events import Event
 
 from .._core.running import fly
-from .._core.seeding import draws_from_shared
 from .._core.wiring import warn_of_wiring
+from .._seeding import draws_from_shared
 from ..errors import DiagramError
 from ..scripts.names import assignments, bound, own
 from ..scripts.runs import RunStart, intercepted_runs

@@ -29,7 +29,7 @@ from pathsim import Simulation
 from pathsim.blocks import Block
 
 from .._core.pathsim_internals import each_sample, port_names
-from .._core.seeding import draws_from_shared, seed_blocks
+from .._seeding import draws_from_shared, seed_blocks
 from ..errors import DiagramError
 from .generate import checked, to_python
 from .toolboxes import registry_for

@@ -15,7 +15,7 @@ from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block, StateSpace
 
 from .._core.pathsim_internals import flies_matrices, own_events, port_names
-from .._core.seeding import draws_from_shared, is_random
+from .._seeding import draws_from_shared, is_random
 from .code import Code, Unwritable
 from .diagram import Diagram, Event, Graph, Node, Part, Wire, ends
 from .expressions import same

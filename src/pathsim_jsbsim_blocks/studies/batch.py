@@ -23,7 +23,7 @@ from .workers import WORKER_DIED, run_parts
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .._core.seeding import Seeding
+    from .._seeding import Seeding
 
 log = logging.getLogger(__name__)
 
@@ -180,8 +180,8 @@ def _check_script(
     """
     from pathsim import Simulation
 
-    from .._core.seeding import Seeding
     from .._core.wiring import contents
+    from .._seeding import Seeding
     from ..scripts.script import Script
     from ..scripts.settings import SettingError
 
@@ -262,7 +262,7 @@ def _run_cases(run: Callable[..., Any], cases: list[dict[str, Any]]) -> list[dic
 
 
 def _run_case(run: Callable[..., Any], case: dict[str, Any]) -> dict[str, Any]:
-    from .._core.seeding import Seeding
+    from .._seeding import Seeding
 
     with Seeding(case["seed"]) as seeding:
         try:

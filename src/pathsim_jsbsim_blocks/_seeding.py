@@ -18,9 +18,9 @@ from pathsim.blocks import (
     SinusoidalPhaseNoiseSource,
 )
 
-from .noise import WhiteNoise
-from .pathsim_internals import draw_first
-from .wiring import contents
+from ._core.noise import WhiteNoise
+from ._core.pathsim_internals import draw_first
+from ._core.wiring import contents
 
 
 class Seeding:
