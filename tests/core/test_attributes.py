@@ -226,6 +226,7 @@ def test_a_reset_that_fails_leaves_the_flight_as_it_was(own_model):
     # PathSim's clock is at 0 then, and the aircraft where it was
     assert (sim.time, plane.trim) == (0.0, trim)
     assert shown(sim, plane) == shown(*other)
+    assert shown(sim, plane) == shown(*other)
     model.write_text(text)
     sim.reset()
     assert shown(sim, plane) == shown(other[0].reset() or other[0], other[1])

@@ -219,6 +219,7 @@ def test_a_diagram_that_changes_during_the_run_goes_on_as_with_run(change):
             )
         )
         assert run(parts.sim, 1.0)["total_steps"] == 20
+        assert run(parts.sim, 1.0)["total_steps"] == 20
         scopes.append(parts.scope)
     (time, expected), (flown_time, flown) = (scope.read() for scope in scopes)
     assert np.array_equal(flown_time, time)

@@ -93,6 +93,7 @@ def test_every_file_of_the_top_package_is_compared(package, tmp_path, name, text
 
 def test_arguments_functions_and_cases_are_compared(package):
     assert package(bias=1.0) == [2.0, 3.0]
+    assert package(bias=1.0) == [2.0, 3.0]
     assert differing(package, bias=2.0) == "argument bias is changed"
     assert differing(package) == "argument bias is missing"
     assert "build is changed" in differing(package, "other")
