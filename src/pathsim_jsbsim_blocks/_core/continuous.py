@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from pathsim.exceptions import LinearizationError
 
-# relative to the size of a value, and the least: below what ramps let through in one sample
+# step of a derivative, relative to a value and at least this: within a ramp's limit per sample
 _STEP = 1e-6
 
 # relative difference of two slopes beyond which a law is not smooth
 _BROKEN = 0.2
 
-# how far off a limit is looked for, in the unit of an input; not from 1 to 0, which is a switch
+# changes of an input with which a limit is searched for, in its unit; none leads to 0: a switch
 _FAR = [sign * 10.0**k for k in range(-1, 5) for sign in (3.0, -3.0)]
 
 # samples after which a law's state is complete
@@ -28,7 +28,7 @@ Matrices = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 def sampled_equivalent(law: Law, u: list[float], state: Any, name: str) -> Matrices:
     """A, B, C, D of a law y[k], x[k+1] = f(u[k], x[k]), as difference equations.
 
-    Switches (inputs that act by being 0 or not) stay as they are: they have no slope.
+    Switches (inputs compared with 0) keep their values: they have no slope.
 
     Raises
     ------
@@ -50,15 +50,15 @@ def sampled_equivalent(law: Law, u: list[float], state: Any, name: str) -> Matri
         y, after = law(values[: len(u)].tolist(), rebuild(values[len(u) :].tolist()))
         return np.array([*y, *_flat(after)[0]], dtype=float)
 
-    here = np.array([*u, *x], dtype=float)
-    jacobian = np.array([_slope(step, here, i) for i in range(len(here))]).T
+    point = np.array([*u, *x], dtype=float)
+    jacobian = np.array([_slope(step, point, i) for i in range(len(point))]).T
     if not np.all(np.isfinite(jacobian)):
         raise _no_equivalent(name)
-    p, m = len(step(here)) - len(x), len(u)
+    p, m = len(step(point)) - len(x), len(u)
     C, D = jacobian[:p, m:], jacobian[:p, :m]
     A, B = jacobian[p:, m:], jacobian[p:, :m]
-    kept = _that_matter(A, B, C)
-    return A[np.ix_(kept, kept)], B[kept], C[:, kept], D
+    relevant = _that_matter(A, B, C)
+    return A[np.ix_(relevant, relevant)], B[relevant], C[:, relevant], D
 
 
 def continuous_equivalent(law: Law, u: list[float], state: Any, T: float, name: str) -> Matrices:
@@ -95,37 +95,37 @@ def _no_equivalent(name: str) -> LinearizationError:
 def at_limit(
     law: Law, u: list[float], state: Any, model: Matrices, inputs: Ports, outputs: Ports
 ) -> list[str]:
-    """Inputs and outputs on which only larger changes act: a ramp or a stop is on the way."""
+    """Inputs and outputs that respond only to large changes, because of a ramp or a limit."""
     _, B, C, D = model
 
     def after(i: int, distance: float) -> np.ndarray:
         moved = [x + distance * (j == i) for j, x in enumerate(u)]
-        # of the second sample: a limit of a rate does not show in the first
+        # the second sample: a rate limit has no effect on the first
         return np.array(law(moved, law(moved, state)[1])[0])
 
     names = []
     for i in range(len(u)):
-        here = after(i, 0.0)
-        # a switch acts at once
-        hidden = np.any([after(i, x) != here for x in _FAR], 0) & (after(i, _STEP) == here)
+        output = after(i, 0.0)
+        # no limit if the smallest step has an effect: a switch acts immediately
+        hidden = np.any([after(i, x) != output for x in _FAR], 0) & (after(i, _STEP) == output)
         idle = hidden.any() and not (B[:, i].any() or D[:, i].any())
         names += [n for n, k in inputs.items() if k == i and idle]
         names += [n for n, k in outputs.items() if hidden[k] and not (C[k].any() or D[k].any())]
     return list(dict.fromkeys(names))
 
 
-def _slope(step: Callable[[np.ndarray], np.ndarray], here: np.ndarray, i: int) -> np.ndarray:
+def _slope(step: Callable[[np.ndarray], np.ndarray], point: np.ndarray, i: int) -> np.ndarray:
     """Derivatives with respect to one value; 0 for a switch."""
 
     def beside(distance: float) -> np.ndarray:
-        values = here.copy()
+        values = point.copy()
         values[i] += distance
         return step(values)
 
-    h = _STEP * max(1.0, abs(here[i]))
-    above, middle, below = beside(h), step(here), beside(-h)
+    h = _STEP * max(1.0, abs(point[i]))
+    above, middle, below = beside(h), step(point), beside(-h)
     if not above.shape == middle.shape == below.shape:
-        # a switch that makes the law forget
+        # a switch that resets the law's state
         return np.zeros_like(middle)
     wide = (above - below) / (2 * h)
     narrow = (beside(h / 2) - beside(-h / 2)) / h
@@ -137,33 +137,33 @@ def _slope(step: Callable[[np.ndarray], np.ndarray], here: np.ndarray, i: int) -
 
 
 def _that_matter(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> list[int]:
-    """States that an input moves and that an output shows, directly or through others."""
+    """Structurally controllable and observable states, directly or through others."""
 
     def reached(edges: np.ndarray, first: np.ndarray) -> np.ndarray:
-        found = first.copy()
-        for _ in range(len(found)):
-            found |= edges @ found
-        return found
+        nodes = first.copy()
+        for _ in range(len(nodes)):
+            nodes |= edges @ nodes
+        return nodes
 
     links = A != 0.0
     moved = reached(links, np.any(B != 0.0, axis=1))
-    shown = reached(links.T, np.any(C != 0.0, axis=0))
-    return np.flatnonzero(moved & shown).tolist()
+    observable = reached(links.T, np.any(C != 0.0, axis=0))
+    return np.flatnonzero(moved & observable).tolist()
 
 
 def _flat(state: Any) -> tuple[list[float], Callable[[list[float]], Any]]:
-    """The floats of a state of nested tuples, and a function that puts others in their place."""
+    """The floats of a state of nested tuples, and a function that rebuilds it from others."""
     if isinstance(state, tuple):
         parts = [_flat(part) for part in state]
         sizes = [len(values) for values, _ in parts]
 
         def rebuild(values: list[float]) -> Any:
             ends = np.cumsum(sizes)
-            made = [
+            rebuilt = [
                 build(values[end - size : end])
                 for (_, build), size, end in zip(parts, sizes, ends, strict=True)
             ]
-            return type(state)(*made) if hasattr(state, "_fields") else tuple(made)
+            return type(state)(*rebuilt) if hasattr(state, "_fields") else tuple(rebuilt)
 
         return [x for values, _ in parts for x in values], rebuild
     if isinstance(state, float):

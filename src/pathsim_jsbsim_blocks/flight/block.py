@@ -408,8 +408,8 @@ class FlightBlock(Parametric, SampledPlant):
     def latch(self, t: float) -> list[float]:
         u = values(self.inputs)
         if len(u) > self._n_inputs:
-            why = f"input port {len(u) - 1} of {type(self).__name__} is connected, but it has only "
-            refuse("inputs", len(u), f"{why}{self._n_inputs} inputs")
+            why = f"input port {len(u) - 1} of {type(self).__name__} is connected, but the number "
+            refuse("inputs", len(u), f"{why}of inputs is {self._n_inputs}")
         if not isfinite(sum(u)):
             for port, value in zip(port_names(self.inputs), u, strict=False):
                 if not isfinite(value):
