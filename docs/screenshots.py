@@ -112,7 +112,8 @@ def take_report(browser):
             "t => { const s = document.getElementById('time'); s.value = t; s.oninput() }", 80
         )
         page.wait_for_timeout(2000)
-        page.screenshot(path=shot)
+        # four panels: the report goes on below
+        page.screenshot(path=shot, clip={"x": 0, "y": 0, "width": 1280, "height": 775})
         page.close()
         shrink(shot, DOCS / "pictures" / "flight_report.png", width=1280)
 

@@ -111,6 +111,8 @@ def test_a_diagram_drawn_from_nothing(editor, models, picture, tmp_path):
 
     page.click("button[aria-label='View Python Code']")
     page.wait_for_selector(".export-dialog .cm-content")
+    # past the imports, to the blocks
+    page.locator(".export-dialog .cm-scroller").evaluate("e => { e.scrollTop = 470 }")
     picture("python")
     with page.expect_download() as download:
         page.click(".export-dialog button[aria-label='Download Python file']")
