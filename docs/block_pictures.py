@@ -132,6 +132,14 @@ PICTURES = {
             ("plane", (6.6, 0.0), (6.6, -0.95), (2.1, -0.95), ("sum", 0, -1), "-"),
         ],
     },
+    "isa_profile": {
+        "blocks": {
+            "h": (0.6, 0.0, "Source", "altitude"),
+            "air": (3.0, 0.0, "ISAtmosphere", "air"),
+            "scope": (5.6, 0.0, "Scope", "scope"),
+        },
+        "wires": [("h", "air", r"$h$"), ("air", "scope", r"$p,\ \rho,\ T,\ a$")],
+    },
     "rudder_kick": {
         "blocks": {
             "a": (0.7, 0.52, "RampSource", "aileron"),

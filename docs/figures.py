@@ -197,10 +197,10 @@ def wind():
 
 
 def euler():
-    """The three rotations in their order: each panel begins with the axes of the one before."""
-    figure, panels = canvas(3, 11.0, 4.2)
+    """The three rotations in their order, each from the axes of the one before, and all in one."""
+    figure, panels = canvas(4, 14.0, 4.2)
     psi, theta, phi = 35, 20, 25
-    above, side, behind = panels
+    above, side, behind, together = panels
     aircraft(above, plan(90 - psi, 0.72))
     arrow(above, 90, 1.2, EARTH, "north")
     arrow(above, 0, 1.15, EARTH, "east", dx=0.12)
@@ -226,11 +226,35 @@ def euler():
         "1. heading $\\psi$ about down\nfrom above",
         "2. pitch $\\theta$ about $y_1$\nfrom the right",
         "3. roll $\\phi$ about $x_B$\nfrom behind",
+        "NED and body axes\nin one view",
     )
+    both_frames(together, phi, theta, psi)
     for ax, text in zip(panels, titles, strict=True):
         ax.set(xlim=(-1.35, 1.55), ylim=(-1.35, 1.95))
         titled(ax, text, 0.1, 1.52)
     return figure
+
+
+def both_frames(ax, phi, theta, psi):
+    """NED and body axes in one view, projected along a line of sight."""
+    (cp, ct, cs), (sp, st, ss) = (f(np.radians([phi, theta, psi])) for f in (np.cos, np.sin))
+    to_ned = np.array(
+        [
+            [ct * cs, sp * st * cs - cp * ss, cp * st * cs + sp * ss],
+            [ct * ss, sp * st * ss + cp * cs, cp * st * ss - sp * cs],
+            [-st, sp * ct, cp * ct],
+        ]
+    )
+    # north leads up to the left, east to the right, down downwards
+    seen = np.array([[-0.50, 0.87, 0.0], [0.55, 0.10, -0.85]])
+    for axes, colour, names in (
+        (np.eye(3), EARTH, ("north", "east", "down")),
+        (to_ned, BODY, (r"$x_B$", r"$y_B$", r"$z_B$")),
+    ):
+        for axis, name in zip(axes.T, names, strict=True):
+            x, y = seen @ axis
+            aside = 0.14 if name == "east" else 0.0  # beside the arrow, which is level
+            arrow(ax, np.degrees(np.arctan2(y, x)), 1.3 * np.hypot(x, y), colour, name, dx=aside)
 
 
 def globe(x, y, z, turn=25.0, tilt=22.0):
@@ -444,28 +468,34 @@ def banked():
     aircraft(ax, front(phi, 0.9))
     ax.plot([-1.4, 1.4], [0, 0], color=GRID, lw=0.8, ls=":")
     arrow(ax, 90 - phi, lift, FORCE, "lift L = n W", dx=0.3)
-    arrow(ax, 90, weight, FORCE, r"$L\,\cos\phi$", dashed=True, dx=-0.3)
+    arrow(ax, 90, weight, FORCE, r"$L\,\cos\phi_W$", dashed=True, dx=-0.3)
     arrow(
         ax,
         0,
         lift * np.sin(np.radians(phi)),
         FORCE,
-        r"$L\,\sin\phi$",
+        r"$L\,\sin\phi_W$",
         dashed=True,
         dx=0.16,
         dy=0.12,
     )
     arrow(ax, -90, weight, FORCE, "weight W")
-    arc(ax, 90 - phi, 90, 0.75, r"$\phi$", ink())
+    arc(ax, 90 - phi, 90, 0.75, r"$\phi_W$", ink())
+    # the tail of an arrow: the velocity leads away from the viewer
+    ax.plot(0, 0, "o", color=AIR, mfc="none", ms=11, mew=1.6)
+    ax.plot(0, 0, "x", color=AIR, ms=7, mew=1.6)
+    ax.text(-0.16, -0.3, r"$V,\ x_W$", color=AIR, ha="right")
     ax.set(xlim=(-1.6, 1.7), ylim=(-1.45, 1.45))
-    titled(ax, "from behind, in a turn to the right", 0, 1.4)
+    titled(ax, "along the velocity, in a turn to the right", 0, 1.4)
     angles = np.linspace(0, 70, 200)
     chart.plot(angles, 1 / np.cos(np.radians(angles)), color=BODY, lw=1.8)
     for angle in (30, 45, 60):
         n = 1 / np.cos(np.radians(angle))
         chart.plot(angle, n, "o", color=BODY)
         chart.text(angle - 2, n + 0.06, f"{n:.2f} g", color=ink(), ha="right")
-    chart.set(xlabel="bank [deg]", ylabel="load factor n = L/W [g]", xlim=(0, 70), ylim=(1, 3))
+    chart.set(
+        xlabel=r"bank $\phi_W$ [deg]", ylabel="load factor n = L/W [g]", xlim=(0, 70), ylim=(1, 3)
+    )
     chart.grid(alpha=0.4)
     return figure
 

@@ -22,7 +22,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 import matplotlib
-import matplotlib.pyplot as plt
 import numpy as np
 
 matplotlib.use("agg")
@@ -46,7 +45,6 @@ from pathsim_jsbsim_blocks.catalogue import (
     diagram_names,
     diagram_notebook,
     find_diagram,
-    load_diagram,
 )
 from pathsim_jsbsim_blocks.check_cases import CASES, compare, fly_case
 from pathsim_jsbsim_blocks.design.requirements import requirements_table
@@ -105,26 +103,6 @@ def study_pictures():
             drawn = Path(folder, f"{name}.png")
             study.figure(study.table(progress=False)).savefig(drawn, dpi=100)
             shrink(drawn, DOCS / "pictures" / f"study_{name}.png")
-
-
-def climbs():
-    """Both climbs of the catalogue in one figure."""
-    flights = {"first trim held": "fixed_trim_climb", "by schedule": "scheduled_climb"}
-    figure, (left, right) = plt.subplots(1, 2, layout="constrained", figsize=(8, 3.8))
-    for flight, name in flights.items():
-        diagram = load_diagram(name)
-        diagram.sim.run(diagram.DURATION)
-        _, (h, speed, gamma) = diagram.flight.read()
-        left.plot(h, speed, label=flight)
-        right.plot(h, gamma)
-    left.set(xlabel="altitude [ft]", ylabel="airspeed [kt]")
-    right.set(xlabel="altitude [ft]", ylabel="flight path angle [deg]")
-    left.legend()
-    figure.suptitle("A-4: climb from a trim at 300 KCAS and 5 deg")
-    with tempfile.TemporaryDirectory() as folder:
-        drawn = Path(folder, "climbs.png")
-        figure.savefig(drawn, dpi=100)
-        shrink(drawn, DOCS / "pictures" / drawn.name)
 
 
 def shrink(source, target, width=800):
@@ -561,7 +539,6 @@ def fleet():
 def diagram_pictures():
     for name in diagram_names():
         picture(name)
-    climbs()
 
 
 def other_pictures():

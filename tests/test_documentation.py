@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import json
 import pkgutil
 import re
 import shlex
@@ -155,6 +156,30 @@ def test_links_and_pictures_are_there(page):
         path = target[0] or target[1]
         if not path.startswith("http"):
             assert (page.parent / path).exists(), path
+
+
+def slugs(page):
+    """The anchors of a page or notebook, as GitHub makes them of its headings."""
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".ipynb":
+        text = "\n".join("".join(cell["source"]) for cell in json.loads(text)["cells"])
+    for heading in re.findall(
+        r"^#+ (.*)$", re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S), re.M
+    ):
+        words = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).lower()
+        yield re.sub(r"[^\w -]", "", words).replace(" ", "-")
+
+
+CHAPTERS = sorted((ROOT / "docs" / "notebooks").glob("*.py"))
+
+
+@pytest.mark.parametrize("page", [*PAGES, *CHAPTERS], ids=lambda p: p.name)
+def test_anchors_are_headings(page):
+    text = page.read_text(encoding="utf-8")
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)#([^)\s]+)\)", text):
+        if not target.startswith("http"):
+            other = page.parent / target if target else page
+            assert anchor in {*slugs(other)}, f"{target}#{anchor}"
 
 
 def test_the_readme_begins_with_five_diagrams():

@@ -17,7 +17,7 @@ import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.cli.plain import plain_formula
 
-CHAPTERS = 11
+CHAPTERS = 12
 
 
 def chapters(folder):

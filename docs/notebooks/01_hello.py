@@ -116,7 +116,7 @@ sim = Simulation(
 )
 
 # %% [markdown]
-# A second of flight. The same numbers, from both:
+# A second of flight (`log=False` leaves out PathSim's progress lines). The same numbers, from both:
 
 # %%
 sim.run(1.0)
@@ -168,9 +168,9 @@ for name in found:
     print(f"{name:40} {plane.fdm[name]:12.4f}" if readable else name)
 
 # %% [markdown]
-# [The property tree](../concepts/properties.md) explains the names, and JSBSim's
-# [reference manual](https://jsbsim-team.github.io/jsbsim-reference-manual/) the simulation behind them; `pathsim-jsbsim properties c172p elevator` searches
-# from the command line, and `pathsim-jsbsim help Aircraft` prints the manual page of the block.
+# [The property tree](../concepts/properties.md) explains the names, JSBSim's
+# [reference of properties](https://jsbsim-team.github.io/jsbsim-reference-manual/user/concepts/properties/) how models use them;
+# `pathsim-jsbsim properties c172p elevator` searches from the command line, and `pathsim-jsbsim help Aircraft` prints the manual page of the block.
 #
 # ## The shorter way
 #
@@ -187,4 +187,10 @@ print(
 )
 
 # %% [markdown]
+# ## In short
+#
+# - JSBSim alone is an executive with properties: load, set `ic/`, `run_ic`, trim, `run`.
+# - `Aircraft` is the same flight as a block: named ports, inputs as increments on the trim, the clock of the diagram.
+# - A model tells its properties by name; 40 of this one's are velocities.
+#
 # Next: [a minute of trimmed flight, and a turn](02_trimmed_flight.ipynb).

@@ -48,17 +48,22 @@ attitude = Scope(
         "roll angle [deg]",
     ],
 )
+loads = Scope(
+    sampling_period=0.1, labels=["load factor nx [g]", "load factor nz [g]"]
+)
 track = Scope(
     sampling_period=0.1, labels=["latitude [deg]", "longitude [deg]"]
 )
 sim = Simulation(
-    [plane, flight, attitude, track],
+    [plane, flight, attitude, loads, track],
     [
         Connection(plane["h"], flight[0]),
         Connection(plane["vc"], flight[1]),
         Connection(plane["alpha"], attitude[0]),
         Connection(plane["theta"], attitude[1]),
         Connection(plane["phi"], attitude[2]),
+        Connection(plane["nx"], loads[0]),
+        Connection(plane["nz"], loads[1]),
         Connection(plane["lat"], track[0]),
         Connection(plane["lon"], track[1]),
     ],
@@ -70,6 +75,8 @@ time, (altitude, speed) = flight.read()
 print(f"{len(time)} samples in {sim.time:.0f} s")
 print(f"altitude {altitude.min():.1f} to {altitude.max():.1f} ft")
 print(f"airspeed {speed.min():.2f} to {speed.max():.2f} KCAS")
+_, (nx, nz) = loads.read()
+print(f"load factors: nx {nx[-1]:.4f} g, nz {nz[-1]:.4f} g")
 
 # %%
 from pathsim_jsbsim_blocks.plots import ground_track, time_histories
@@ -187,4 +194,10 @@ for name in ("trimmed_flight", "aileron_turn"):
     print(name, f"{diagram.sim.time:.0f} s")
 
 # %% [markdown]
+# ## In short
+#
+# - In a trim nothing accelerates: with fixed controls altitude, airspeed and load factors stay.
+# - A parameter of a block that is changed acts at the next reset, with a new trim.
+# - An aileron sets a roll rate: a turn needs a controller.
+#
 # Next: [block diagrams](03_diagrams.ipynb).

@@ -217,5 +217,12 @@ start = next(i for i, line in enumerate(lines) if "Integrator(" in line)
 print("\n".join(lines[start : start + 6]))
 
 # %% [markdown]
-# [A diagram drawn in PathView](../drawing.md) goes the whole way with the mouse. Next:
-# [an elevator doublet](04_elevator_doublet.ipynb).
+# [A diagram drawn in PathView](../drawing.md) goes the whole way with the mouse.
+#
+# ## In short
+#
+# - Integrators, gains and adders make a differential equation; connections close its loops.
+# - Each result is checked against a solution known from elsewhere.
+# - The same diagram is a script, a model of the editor, and a script again.
+#
+# Next: [an elevator doublet](04_elevator_doublet.ipynb).

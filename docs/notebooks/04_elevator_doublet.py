@@ -127,4 +127,10 @@ print(f"alpha from {half.min():.2f} to {half.max():.2f} deg")
 # Half the command gives half the response, to 0.01 deg: the aircraft is almost linear here.
 # [Linear models](../linear-models.md) go on from there, and the diagram `doublet_linear_nonlinear` draws both.
 #
+# ## In short
+#
+# - `setup` loads the aircraft before its trim; JSBSim trims with the trim wheel, so the elevator command is 0.
+# - A doublet excites the short period: alpha swings from 1.82 to 6.40 deg and dies out.
+# - Half the command gives half the response: the aircraft is almost linear here.
+#
 # Next: [a pitch hold](05_pitch_hold.ipynb).

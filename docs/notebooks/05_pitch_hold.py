@@ -1,7 +1,7 @@
 # %% [markdown]
-# # 5. A pitch hold, and the standard atmosphere
+# # 5. A pitch hold
 #
-# A Cessna 172 raises its nose from the trimmed 1.3 deg to 3 deg and holds it there. The second part is about the air.
+# A Cessna 172 raises its nose from the trimmed 1.3 deg to 3 deg and holds it there.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
@@ -158,97 +158,9 @@ for rate in (60, 120):
     print(f"{rate} Hz: off by at most {error:.3f} deg")
 
 # %% [markdown]
-# ## The standard atmosphere
-#
-# `ISAtmosphere` is the International Standard Atmosphere. Up to 11 km the temperature falls by 6.5 K per km of geopotential
-# altitude $H$, and the pressure follows from the balance of a column of air:
-#
-# $$
-# T = T_0 - L H, \qquad p = p_0 \left(\frac{T}{T_0}\right)^{g_0 / (R L)}, \qquad \rho = \frac{p}{R\,T}, \qquad
-# a = \sqrt{\gamma R\,T}
-# $$
-#
-# A `Source` is a function of time: here an altitude that rises by 100 m/s.
-
-# %%
-import matplotlib.pyplot as plt
-from pathsim.blocks import Source
-
-from pathsim_jsbsim_blocks import ISAtmosphere
-
-altitude = Source(lambda t: 100.0 * t)  # m
-air = ISAtmosphere()
-scope = Scope(
-    labels=[
-        "altitude",
-        "pressure",
-        "density",
-        "temperature",
-        "speed of sound",
-    ]
-)
-sim = Simulation(
-    [altitude, air, scope],
-    [
-        Connection(altitude, air["altitude"], scope[0]),
-        Connection(air["pressure"], scope[1]),
-        Connection(air["density"], scope[2]),
-        Connection(air["temperature"], scope[3]),
-        Connection(air["speed_of_sound"], scope[4]),
-    ],
-    dt=0.5,
-    log=False,
-)
-sim.run(110.0)
-_, (height, pressure, density, temperature, sound) = scope.read()
-figure, axes = plt.subplots(
-    2, 2, sharey=True, layout="constrained", figsize=(8, 6)
-)
-panels = {
-    "pressure [hPa]": pressure / 100,
-    "density [kg/m³]": density,
-    "temperature [°C]": temperature - 273.15,
-    "speed of sound [m/s]": sound,
-}
-for ax, (label, values) in zip(axes.flat, panels.items()):
-    ax.plot(values, height / 1000)
-    ax.set(xlabel=label, ylabel="altitude [km]")
-    ax.grid(alpha=0.4)
-figure.suptitle("International Standard Atmosphere to 11 km")
-plt.show()
-
-# %% [markdown]
-# ## Calibrated and true airspeed
-#
-# An airspeed indicator shows the speed that would cause the measured impact pressure $q_c$ at sea level (CAS). The true
-# airspeed (TAS) causes the same $q_c$ where the pressure is $p$ and the speed of sound $a$:
-#
-# $$
-# q_c = p_0 \left[ \left( 1 + \frac{\mathrm{CAS}^2}{5\,a_0^2} \right)^{7/2} - 1 \right], \qquad
-# \mathrm{TAS} = a \sqrt{5 \left[ \left( \frac{q_c}{p} + 1 \right)^{2/7} - 1 \right]}
-# $$
-#
-# Both hold below Mach 1; the blocks use Rayleigh's formula above. With $\mathrm{TAS} = \mathrm{CAS} / \sqrt{\rho / \rho_0}$, as the published table has it, one gets the true airspeed of 120
-# knots of *equivalent* airspeed.
-
-# %%
-from pathsim_jsbsim_blocks.air import cas_to_tas, eas_to_tas, isa
-
-knot, foot = 1852 / 3600, 0.3048  # m/s, m
-print("altitude [ft]  CAS [kt]  TAS [kt]  TAS/CAS  by the formula of EAS")
-for level in (0, 5_000, 10_000, 20_000, 30_000, 40_000):
-    here = isa(level * foot)
-    true = cas_to_tas(120 * knot, here) / knot
-    wrong = eas_to_tas(120 * knot, here) / knot
-    print(
-        f"{level:13,d}  {120:8.1f}  {true:8.1f}  {true / 120:7.3f}  "
-        f"{wrong:22.1f}"
-    )
-
-# %% [markdown]
 # ## The shorter way
 #
-# `pitch_hold`, `pitch_hold_primitives` and `isa_profile` are in the catalogue.
+# `pitch_hold` and `pitch_hold_primitives` are in the catalogue.
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram
@@ -260,4 +172,10 @@ print(
 )
 
 # %% [markdown]
-# Next: [angle of attack against airspeed](06_alpha.ipynb).
+# ## In short
+#
+# - A positive elevator is nose down, so the law of a pitch hold begins with a minus.
+# - A proportional gain alone stops short of the reference; integral action gets there.
+# - The throttle does not move: the aircraft climbs and slows down.
+#
+# Next: [air data](05b_air_data.ipynb).

@@ -1,7 +1,8 @@
 # %% [markdown]
 # # 6. Angle of attack against airspeed
 #
-# A business jet in level flight at 15,000 ft, trimmed at each airspeed.
+# A business jet in level flight at 15,000 ft, trimmed at each airspeed. The published notebook is by Sean McLeod, Guilherme Araujo
+# Lima da Silva and Agostino De Marco, with icing in view: where ice grows on a wing depends on its angle of attack.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
@@ -94,4 +95,10 @@ cessna = studies.aoa_vs_cas(
 cessna[["speed_kcas", "alpha_deg", "weight_lb", "cg_x_in"]].round(2)
 
 # %% [markdown]
+# ## In short
+#
+# - Each speed is a trim; alpha falls with the airspeed as the lift coefficient does.
+# - Where there is no trim the error says why: below V_min the angle of attack, above V_max the thrust.
+# - With the CG far enough aft the elevator in trim moves the other way: the aircraft is unstable.
+#
 # Next: [a rudder kick](07_rudder_kick.ipynb).

@@ -98,4 +98,10 @@ print(
 )
 
 # %% [markdown]
+# ## In short
+#
+# - Two ramps lead towards a steady sideslip, in which rudder, ailerons and bank balance.
+# - `RampSource` ends exactly at its value; a sum of rounded increments does not.
+# - At 20 s the bank still changes; at 40 s it is almost steady.
+#
 # Next: [thrust vectoring](08_thrust_vectoring.ipynb).

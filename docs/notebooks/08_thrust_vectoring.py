@@ -76,4 +76,10 @@ for case, condition in conditions.items():
 # The study finds about 1 deg less: the formula leaves out the moment of the tilted thrust. The report that asked the
 # question is [NASA/TM-2000-209021](https://ntrs.nasa.gov/citations/20000034897); [Studies](../studies.md) compares.
 #
+# ## In short
+#
+# - Thrust that carries weight saves drag, until it costs more than it saves.
+# - The least thrust is at about 4 deg in both conditions, and the saving is small.
+# - The balance of forces gives the same angle but for 1 deg, the moment of the thrust.
+#
 # Next: [the trim envelope](09_envelope.ipynb).

@@ -60,4 +60,10 @@ fails.reason.value_counts()
 # The study `trim_envelope` does the same with twice as many speeds, on all cores: `pathsim-jsbsim study trim_envelope`.
 
 # %% [markdown]
+# ## In short
+#
+# - The envelope of steady flight is a map of trims: 364 of 680 in the study.
+# - Thrust bounds it above, idle drag below, the angle of attack to the left.
+# - Every point outside says which limit it meets.
+#
 # Next: [climbs](10_climbs.ipynb).

@@ -232,5 +232,12 @@ airliner.sim.run(airliner.DURATION)
 show(airliner.figure(), "climb")
 
 # %% [markdown]
-# [Forces in a climb](../concepts/forces-in-a-climb.md) has the equations. Next:
-# [performance charts](11_performance.ipynb).
+# [Forces in a climb](../concepts/forces-in-a-climb.md) has the equations.
+#
+# ## In short
+#
+# - With the first trim held the climb dies away: thrust falls with the air's density.
+# - A schedule of trims keeps the climb, but for the thrust that accelerates the aircraft.
+# - Airliners change from constant CAS to constant Mach where both give the same TAS.
+#
+# Next: [performance charts](11_performance.ipynb).

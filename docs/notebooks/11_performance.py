@@ -63,5 +63,11 @@ for row in stalls.itertuples():
     print(f"{case}: CL {lift:.2f}, {row.reason}")
 
 # %% [markdown]
+# ## In short
+#
+# - All charts are trims: at full throttle, with the throttle closed, in level flight.
+# - The best values are flown, and each names what limits it.
+# - The charts show the model, not the aircraft: this engine is too strong.
+#
 # [Performance charts](../performance.md) defines each value. This is the end of the course; from here on
 # [a controller](../tutorial.md#6-a-controller-of-your-own) and [a study](../studies.md#a-study-of-your-own-aircraft) of your own.

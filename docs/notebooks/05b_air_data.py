@@ -1,0 +1,121 @@
+# %% [markdown]
+# # 5b. Air data
+#
+# The standard atmosphere, and what an airspeed indicator shows in it.
+#
+# *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
+#
+# ## The standard atmosphere
+#
+# `ISAtmosphere` is the International Standard Atmosphere. Up to 11 km the temperature falls by 6.5 K per km of geopotential
+# altitude $H$, and the pressure follows from the balance of a column of air:
+#
+# $$
+# T = T_0 - L H, \qquad p = p_0 \left(\frac{T}{T_0}\right)^{g_0 / (R L)}, \qquad \rho = \frac{p}{R\,T}, \qquad
+# a = \sqrt{\gamma R\,T}
+# $$
+#
+# ![Source, ISAtmosphere, Scope](figures/isa_profile.svg)
+#
+# A `Source` is a function of time: here an altitude that rises by 100 m/s.
+
+# %%
+import matplotlib.pyplot as plt
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope, Source
+
+from pathsim_jsbsim_blocks import ISAtmosphere
+
+altitude = Source(lambda t: 100.0 * t)  # m
+air = ISAtmosphere()
+scope = Scope(
+    labels=[
+        "altitude",
+        "pressure",
+        "density",
+        "temperature",
+        "speed of sound",
+    ]
+)
+sim = Simulation(
+    [altitude, air, scope],
+    [
+        Connection(altitude, air["altitude"], scope[0]),
+        Connection(air["pressure"], scope[1]),
+        Connection(air["density"], scope[2]),
+        Connection(air["temperature"], scope[3]),
+        Connection(air["speed_of_sound"], scope[4]),
+    ],
+    dt=0.5,
+    log=False,
+)
+sim.run(110.0)
+_, (height, pressure, density, temperature, sound) = scope.read()
+print(
+    f"sea level: {pressure[0]:.0f} Pa, {density[0]:.4f} kg/m3, "
+    f"{temperature[0]:.2f} K, {sound[0]:.2f} m/s"
+)
+figure, axes = plt.subplots(
+    2, 2, sharey=True, layout="constrained", figsize=(8, 6)
+)
+panels = {
+    "pressure [hPa]": pressure / 100,
+    "density [kg/m³]": density,
+    "temperature [°C]": temperature - 273.15,
+    "speed of sound [m/s]": sound,
+}
+for ax, (label, values) in zip(axes.flat, panels.items()):
+    ax.plot(values, height / 1000)
+    ax.set(xlabel=label, ylabel="altitude [km]")
+    ax.grid(alpha=0.4)
+figure.suptitle("International Standard Atmosphere to 11 km")
+plt.show()
+
+# %% [markdown]
+# ## Calibrated and true airspeed
+#
+# An airspeed indicator shows the speed that would cause the measured impact pressure $q_c$ at sea level (CAS). The true
+# airspeed (TAS) causes the same $q_c$ where the pressure is $p$ and the speed of sound $a$:
+#
+# $$
+# q_c = p_0 \left[ \left( 1 + \frac{\mathrm{CAS}^2}{5\,a_0^2} \right)^{7/2} - 1 \right], \qquad
+# \mathrm{TAS} = a \sqrt{5 \left[ \left( \frac{q_c}{p} + 1 \right)^{2/7} - 1 \right]}
+# $$
+#
+# Both hold below Mach 1; the blocks use Rayleigh's formula above. With $\mathrm{TAS} = \mathrm{CAS} / \sqrt{\rho / \rho_0}$, as the published table has it, one gets the true airspeed of 120
+# knots of *equivalent* airspeed.
+
+# %%
+from pathsim_jsbsim_blocks.air import cas_to_tas, eas_to_tas, isa
+
+knot, foot = 1852 / 3600, 0.3048  # m/s, m
+print("altitude [ft]  CAS [kt]  TAS [kt]  TAS/CAS  by the formula of EAS")
+for level in (0, 5_000, 10_000, 20_000, 30_000, 40_000):
+    here = isa(level * foot)
+    true = cas_to_tas(120 * knot, here) / knot
+    wrong = eas_to_tas(120 * knot, here) / knot
+    print(
+        f"{level:13,d}  {120:8.1f}  {true:8.1f}  {true / 120:7.3f}  "
+        f"{wrong:22.1f}"
+    )
+
+# %% [markdown]
+# ## The shorter way
+#
+# `isa_profile`, to 80 km, and `constant_cas_climb` of [chapter 10](10_climbs.ipynb) are in the catalogue.
+
+# %%
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+
+diagram = load_diagram("isa_profile")
+diagram.sim.run(diagram.DURATION)
+print(f"{len(diagram.sim.blocks)} blocks, {diagram.sim.time:.0f} s")
+
+# %% [markdown]
+# ## In short
+#
+# - Temperature falls by 6.5 K per km up to 11 km; pressure follows from the weight of the air above.
+# - CAS is what the indicator shows; at 40,000 ft the TAS is twice as much.
+# - The formula with the root of the density ratio is that of EAS, which is below CAS in compressible air.
+#
+# Next: [angle of attack against airspeed](06_alpha.ipynb).
