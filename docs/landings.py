@@ -42,15 +42,18 @@ CROSS, APPROACHES, OF_LOWEST, ABOVE, FROM = 10.0, 10, 1.3, 1500.0, (1.0, 0.9, 0.
 CG, FUEL, HEAD, GUSTS = 0.03, (0.2, 1.0), (-5.0, 20.0), (15.0, 30.0)
 ELEVATION, COURSE, ASIDE = (0.0, 5000.0), (0.0, 360.0), 500.0
 INTERCEPT = 20.0  # deg
-BOUNCES = 10.0  # s after the first touchdown
+# KCAS at which a roll-out ends, and its longest, s
+ROLLED, LONGEST = 30.0, 60.0
 # the touchdown's limits beside the distance: from the centre line [ft], sink rate, bank [deg]
 ACROSS, SINK, BANK = 30.0, 6.0, 5.0
+ROLL_OUT = 40.0  # ft, from the centre line in the roll-out
 PAST = 2000.0  # ft, of those in a crosswind
 ROWS = {
     "past": "past the aiming point [ft]",
     "across": "right of the centre line [ft]",
     "sink": "sink rate of the hardest touchdown [ft/s]",
     "bounce": "bounce [ft]",
+    "roll_out": "farthest from the centre line in the roll-out [ft]",
     "bank": "bank [deg]",
     "crab": "heading less course [deg]",
     "vc": "airspeed [KCAS]",
@@ -193,7 +196,11 @@ def landed(diagram, settings, course):
     try:
         while diagram.sim.time < 300.0 and outputs["phase"] < 2.0:
             fly(diagram.sim, 2.0)
-        fly(diagram.sim, BOUNCES)
+        end = diagram.sim.time + LONGEST
+        while diagram.sim.time < end and outputs["phase"] < 3.0:
+            if diagram.aircraft.outputs["vc"] < ROLLED:
+                break
+            fly(diagram.sim, 1.0)
         if outputs["phase"] == 3.0:
             fly(diagram.sim, 30.0)
     except FlightError as crash:
@@ -225,6 +232,9 @@ def landed(diagram, settings, course):
         touches = np.flatnonzero((wheels[1:] > 0.0) & (wheels[:-1] == 0.0))
         found.update(sink=-climb[touches].min(), crab=crab, vc=vc[touch])
         found["bounce"] = height[touch:].max() - height[touch]
+        slow = vc[touch:] < ROLLED
+        rolled = across[touch:][: slow.argmax() if slow.any() else None]
+        found["roll_out"] = rolled[np.abs(rolled).argmax()]
     return found
 
 
@@ -241,6 +251,7 @@ def outcome(name, found):
         "across": ACROSS,
         "bank": BANK,
         "sink": SINK,
+        "roll_out": ROLL_OUT,
     }
     beyond = [key for key, most in limits.items() if not abs(found[key]) < most]
     return ", ".join(f"{key} {found[key]:.1f}" for key in beyond) or "landed"
@@ -277,9 +288,9 @@ def crosswind():
     """The table of approaches in a crosswind."""
     lines = [
         "| | landed within the limits | went around | KCAS "
-        "| sink rate [ft/s] | past [ft] | aside [ft] |"
+        "| sink rate [ft/s] | past [ft] | aside [ft] | in the roll-out [ft] |"
     ]
-    lines.append("|---|--:|--:|--:|--:|--:|--:|")
+    lines.append("|---|--:|--:|--:|--:|--:|--:|--:|")
     for name in CROSSWIND:
         ends, speeds, touches = [], [], []
         for number in range(1, APPROACHES + 1):
@@ -291,7 +302,7 @@ def crosswind():
             print(name, number, ends[-1], flush=True)
         cells = [f"{ends.count(end)} of {APPROACHES}" for end in ("landed", "around")]
         cells.append(f"{min(speeds):.0f} to {max(speeds):.0f}")
-        for key, digits in (("sink", 1), ("past", 0), ("across", 0)):
+        for key, digits in (("sink", 1), ("past", 0), ("across", 0), ("roll_out", 0)):
             x = [abs(found[key]) for found in touches]
             cells.append(f"{min(x):.{digits}f} to {max(x):.{digits}f}" if x else "")
         lines.append(f"| {name} | {' | '.join(cells)} |")

@@ -294,7 +294,7 @@ class GainSchedule:
     landing : str
         landings flown with these gains; "" for none
     no_landing : str
-        why `FlareHold` refuses these gains; "" if it accepts them
+        why `FlareHold` lands in some flares only; "" if it does not warn
 
     Raises
     ------

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from .._core.checks import heading, number, optional, positive, refuse
+from .._core.checks import heading, number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
 from .._core.units import GRAVITY, KNOT
@@ -48,11 +48,12 @@ _HOP = 1.0  # ft, height of the wheels from which a bounce is flown
 _CLIMBS = 100.0  # ft, below which a go-around does not lower its nose
 _CLEAR = 30.0  # ft, height above which no tail strikes
 _LOWER = 2.0  # deg/s, of the nose in the roll-out
+_TURN = 0.3  # 1/s, of the integral of the course over the ground in the roll-out
 _STEER = 0.25  # 1/s, of the distance from the centre line in the roll-out
 _BRAKE = 0.25  # 1/s
-# ft/s, ground speed below which the brakes ease, and share that remains: full brakes push a light
-# aircraft back after its stop
-_STOPS, _HELD = 20.0, 0.1
+# ft/s, ground speed below which the brakes ease, to none at the standstill: they would tip a light
+# aircraft that the wind pushes back onto its tail
+_STOPS = 20.0
 
 
 class FlareState(NamedTuple):
@@ -70,6 +71,7 @@ class FlareState(NamedTuple):
     lowest: float = 0.0  # pitch reference in the flare: that at its beginning, deg
     psi: float = 0.0  # reference of the heading, deg
     rudder: float = 0.0
+    turn: float = 0.0  # integral of the course over the ground, on the wheels
     throttle: float = 0.0
     brakes: float = 0.0
     v: float = 0.0  # airspeed, ft/s
@@ -123,8 +125,9 @@ class FlareHold(GuidedHold):
     earlier than the law above asks, half is asked for again, and the nose is never lower than at
     the beginning. The bandwidth omega is at most 1 rad/s, and 0.3 Kp / Kr of the pitch loop; below
     the airspeeds that the gains are for it falls with the square of the airspeed. With the wheels
-    on the ground it lowers the nose, steers along the centre line and brakes, at last gently. A
-    bounce is flared again.
+    on the ground it lowers the nose, steers along the centre line with nose wheel and rudder, and
+    brakes; the brakes ease to none at the stop. The approach's rudder is left out. A bounce is
+    flared again.
 
     A go-around, at any height and on the ground too, applies full throttle, keeps the heading with
     a bank of at most ``bank_max``, and climbs at ``climb``: less where that costs airspeed, more
@@ -132,8 +135,8 @@ class FlareHold(GuidedHold):
     than at its beginning, unless the angle of attack is at its limit. On the ground it is raised at
     the airspeed of the touchdown.
 
-    Gains with which no landings were flown warn once when the block is made; those of an aircraft
-    that did not land are refused, with the reason.
+    Gains with which no landings were flown warn once when the block is made, as do those with which
+    an aircraft lands in some flares only, with the reason.
 
     It begins by itself where, below the height ``decide``, the aircraft is more than ``across_max``
     beside the centre line or heads more than 45 deg off ``course``, where the flare would begin at
@@ -156,7 +159,8 @@ class FlareHold(GuidedHold):
     bank_max : float
         largest bank in the flare and in a go-around, deg
     align : float
-        rudder per heading error in the flare and on the ground, 1/deg; 0 lands with the crab angle
+        rudder per heading error in the flare and on the ground, 1/deg; it grows as the roll-out
+        slows down. 0 lands with the crab angle, and does not steer
     climb : float
         rate of climb of the go-around, ft/s
     decide : float
@@ -258,20 +262,12 @@ class FlareHold(GuidedHold):
         table, self._slowest = named(self.gains), 0.0  # KCAS
         if table:
             self._slowest = min(point.speed for point in table.points)
-        if table and table.no_landing:
-            refuse(
-                "gains",
-                self.gains,
-                f"FlareHold does not land the {table.aircraft} with these gains: "
-                f"{table.no_landing}",
+        if table and (table.no_landing or not table.landing):
+            flown = (
+                f"no landings were flown with these gains of the {table.aircraft}, for "
+                f"{self._slowest:.0f} KCAS and more; below, the controls have less effect"
             )
-        if table and not table.landing:
-            self._warn_once(
-                "gains",
-                "no landings were flown with these gains of the {}, for {:.0f} KCAS and more; "
-                "below, the controls have less effect",
-                *(table.aircraft, self._slowest),
-            )
+            self._warn_once("gains", "{}", table.no_landing or flown)
 
     def law(self, u: list[float], state: FlareState) -> tuple[list[float], FlareState]:
         h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u[:19]
@@ -301,17 +297,15 @@ class FlareHold(GuidedHold):
         aileron, phi_cmd, roll = self.roll.sample(
             state.lateral.roll, phi, p, bank, False, 0.0, False
         )
-        rudder, steering, psi_cmd = self._yaw(state, seen, rolls)
+        steering, state = self._yaw(state, seen, rolls)
         throttle, brakes = self._power(state, seen.down)
 
-        outputs = [elevator, aileron, rudder, throttle, brakes, steering]
+        outputs = [elevator, aileron, state.rudder, throttle, brakes, steering]
         if state.phase == APPROACH:
             outputs = [*given, 0.0, 0.0]
         state = state._replace(
             vertical=state.vertical._replace(pitch=pitch, guard=guard, cut=cut),
             lateral=state.lateral._replace(roll=roll),
-            psi=psi_cmd,
-            rudder=rudder,
             throttle=throttle,
             brakes=brakes,
         )
@@ -467,26 +461,33 @@ class FlareHold(GuidedHold):
             return clip(_KEEP * wrap(state.psi - psi), -most, most)
         return 0.0
 
-    def _yaw(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, float, float]:
-        """Rudder, steering of the nose wheel, and the reference of the heading."""
-        c, T = self._checked, self.clock.period
-        target, psi_cmd = c.course, state.psi
+    def _yaw(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, FlareState]:
+        """Steering of the nose wheel, and the state with the rudder and the heading's reference."""
+        c, T, beam = self._checked, self.clock.period, state.beam
+        target, psi_cmd, align, turn = c.course, state.psi, c.align, 0.0
+        speed = max(beam.along, SLOWEST)
         if rolls:
-            target -= clip(DEGREES * _STEER * state.beam.ft / state.v, -5.0, 5.0)
+            target -= clip(DEGREES * _STEER * beam.ft / speed, -5.0, 5.0)
+            # the slower it rolls, the less nose wheel and rudder turn it
+            align *= state.kept / state.v
         if rolls or seen.height < _DECRAB * max(-seen.hdot, c.sink):
             psi_cmd += clip(wrap(target - psi_cmd), -_YAW * T, _YAW * T)
         psi_cmd, error = wrap(psi_cmd), 0.0
         if rolls or state.phase != GO_AROUND:
-            error = c.align * (wrap(seen.psi - psi_cmd) + _YAW_DAMPING * seen.r)
-        moved = state.rudder + clip(seen.given[2] + error - state.rudder, -_RUDDER * T, _RUDDER * T)
-        steering = clip(-error, -1.0, 1.0) if rolls else 0.0
-        return clip(moved, -1.0, 1.0), steering, psi_cmd
+            error = align * (wrap(seen.psi - psi_cmd) + _YAW_DAMPING * seen.r)
+        if rolls:
+            # the approach's rudder is left out: on the wheels its sideslip integral winds up
+            off = wrap(c.course + DEGREES * math.atan(beam.aside / speed) - target)
+            turn = clip(state.turn + _TURN * align * off * T, -1.0, 1.0)
+        asked = error + (turn if rolls else seen.given[2])
+        moved = state.rudder + clip(asked - state.rudder, -_RUDDER * T, _RUDDER * T)
+        steering = clip(-asked, -1.0, 1.0) if rolls else 0.0
+        return steering, state._replace(rudder=clip(moved, -1.0, 1.0), psi=psi_cmd, turn=turn)
 
     def _power(self, state: FlareState, down: bool) -> tuple[float, float]:
         """Throttle and brakes."""
         T, brakes = self.clock.period, 0.0
         if state.phase == ROLL_OUT and down and state.theta <= 0.0:
-            most = clip(abs(state.beam.along) / _STOPS, _HELD, 1.0)
-            brakes = min(state.brakes + _BRAKE * T, most)
+            brakes = min(state.brakes + _BRAKE * T, clip(state.beam.along / _STOPS, 0.0, 1.0))
         throttle = 1.0 if state.phase == GO_AROUND else max(state.throttle - _IDLE * T, -1.0)
         return throttle, brakes
