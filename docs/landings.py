@@ -38,6 +38,7 @@ FLEET = {
 # height of the beginning [ft], airspeeds from which the lowest is looked for, of level flight
 CROSSWIND = {"A320": (8.9, 1.0), "T37": (1.9, 1.0), "MD11": (19.1, 0.3)}
 FLARE = {"tau": 3.0, "float_max": 8000.0, "theta_max": 10.0}
+SLOW_FLARE = {"MD11": {"tau": 6.0, "sink_max": 25.0}}  # its elevator turns it slowly
 CROSS, APPROACHES, OF_LOWEST, ABOVE, FROM = 10.0, 10, 1.3, 1500.0, (1.0, 0.9, 0.8, 0.7, 0.6)
 CG, FUEL, HEAD, GUSTS = 0.03, (0.2, 1.0), (-5.0, 20.0), (15.0, 30.0)
 ELEVATION, COURSE, ASIDE = (0.0, 5000.0), (0.0, 360.0), 500.0
@@ -128,7 +129,6 @@ def settings(name, case):
 def approach(name, number):
     """Course of an approach in a crosswind, and what the diagram ``autoland_737`` is built with."""
     from pathsim_jsbsim_blocks import Aircraft
-    from pathsim_jsbsim_blocks.control.gain_tables import table
     from pathsim_jsbsim_blocks.errors import TrimError
     from pathsim_jsbsim_blocks.flight import Airframe, trim
 
@@ -165,8 +165,7 @@ def approach(name, number):
         wind_north=-cross * math.sin(chi),
         wind_east=cross * math.cos(chi),
     )
-    # the table of the MD11 is refused because of these flights
-    gains = replace(table(name), no_landing="")
+    flare = FLARE | SLOW_FLARE.get(name, {})
     return course, {
         "aircraft.aircraft": name,
         "aircraft.condition": condition,
@@ -175,9 +174,9 @@ def approach(name, number):
         "ELEVATION": elevation,
         "COURSE": course,
         "ANTENNA": place(BEYOND, 0.0, course),
-        **{f"{x}.gains": gains for x in ("lateral", "vertical", "airspeed", "damper", "flare")},
+        **{f"{x}.gains": name for x in ("lateral", "vertical", "airspeed", "damper", "flare")},
         "flare.gear_height": wheels,
-        **{f"flare.{key}": value for key, value in FLARE.items()},
+        **{f"flare.{key}": value for key, value in flare.items()},
     }
 
 

@@ -51,8 +51,7 @@ _LOWER = 2.0  # deg/s, of the nose in the roll-out
 _TURN = 0.3  # 1/s, of the integral of the course over the ground in the roll-out
 _STEER = 0.25  # 1/s, of the distance from the centre line in the roll-out
 _BRAKE = 0.25  # 1/s
-# ft/s, ground speed below which the brakes ease, to none at the standstill: they would tip a light
-# aircraft that the wind pushes back onto its tail
+# ft/s, below which the brakes ease: they would tip an aircraft that the wind pushes back
 _STOPS = 20.0
 
 
@@ -263,11 +262,9 @@ class FlareHold(GuidedHold):
         if table:
             self._slowest = min(point.speed for point in table.points)
         if table and (table.no_landing or not table.landing):
-            flown = (
-                f"no landings were flown with these gains of the {table.aircraft}, for "
-                f"{self._slowest:.0f} KCAS and more; below, the controls have less effect"
-            )
-            self._warn_once("gains", "{}", table.no_landing or flown)
+            none = f"no landings were flown with these gains of the {table.aircraft}, for "
+            none += f"{self._slowest:.0f} KCAS and more; below, the controls have less effect"
+            self._warn_once("gains", "{}", table.no_landing or none)
 
     def law(self, u: list[float], state: FlareState) -> tuple[list[float], FlareState]:
         h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u[:19]
