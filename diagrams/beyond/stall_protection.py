@@ -9,7 +9,8 @@ reference is bounded by the angle of attack, and the power comes up in time.
 Expected: with alpha, at least 52.9 kt, alpha at most 10.5 deg, altitude within 12 ft, and 54.2 kt
 at the end. The protection adds throttle below 54.2 kt, about 0.5 for each knot, so the airspeed
 stays there: the integral of the autothrottle is slow. The throttle swings with a period of 5 s,
-and the angle of attack with it, by 1.2 deg at 60 to 80 s. Without the wire, 46.5 kt and 24.2 deg, and 4078 ft are lost in 200 s.
+and the angle of attack with it, by 1.2 deg at 60 to 80 s. Without the wire,
+46.5 kt and 24.2 deg, and 4078 ft are lost in 200 s.
 
 Source: our own.
 """
