@@ -130,7 +130,7 @@ autoland = Subsystem(
         Connection(lateral["aileron"], flare["aileron"]),
         Connection(damper["rudder"], flare["rudder"]),
         Connection(airspeed["throttle"], flare["throttle"]),
-        Connection(flare[(*COMMANDS, "phase")], ports[(*COMMANDS, "phase")]),
+        Connection(flare[[*COMMANDS, "phase"]], ports[[*COMMANDS, "phase"]]),
         Connection(localizer["ft", "dist"], ports["loc_ft", "loc_dist"]),
         Connection(glideslope["ft"], ports["gs_ft"]),
     ],
