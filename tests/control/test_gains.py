@@ -140,6 +140,11 @@ def test_bad_parameters_are_refused_when_built_and_in_flight(hold, name, value):
     assert getattr(block, name) == before
 
 
+def test_the_ends_of_a_range_are_in_it():
+    assert HeadingHold(bank_max=80.0).bank_max == 80.0
+    assert PitchHold(theta_ref=-90.0).theta_ref == -90.0
+
+
 @pytest.mark.parametrize("hold", [AltitudeHold, Autopilot, GlideslopeHold])
 def test_a_lowest_pitch_reference_above_the_highest_names_both(hold):
     with pytest.raises(ParameterError) as said:
