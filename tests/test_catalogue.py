@@ -420,6 +420,8 @@ def test_modes_are_printed_with_their_levels(tmp_path, capsys):
     out = capsys.readouterr().out
     for text in ("short period", "phugoid", "Dutch roll", "roll", "spiral", "level 1 (3.2.2.1.2)"):
         assert text in out
+    for loop in ("PitchHold", "RollHold", "HeadingHold", "AirspeedHold"):
+        assert f"{loop} of c172p, broken at" in out
     assert saved.stat().st_size > 1000
     assert figure.stat().st_size > 10_000
 

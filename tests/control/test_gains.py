@@ -61,6 +61,12 @@ def test_editors_know_the_names_of_all_tables():
     assert sorted(get_args(TableName)) == sorted(path.stem for path in TABLES.glob("*.json"))
 
 
+def test_an_aircraft_without_a_table_is_told_the_way_to_gains():
+    with pytest.raises(ParameterError, match=r"design_gains, or from a file") as refused:
+        PitchHold("ah1s")
+    assert (refused.value.parameter, refused.value.value) == ("gains", "ah1s")
+
+
 @pytest.mark.parametrize("hold", HOLDS)
 def test_an_unknown_table_names_the_nearest(hold):
     with pytest.raises(ParameterError) as error:

@@ -92,7 +92,7 @@ CREATE = repeatable(
 # options of a trim are named as the fields of TrimCondition, which has their defaults
 _NUMBERS = {
     "altitude": "ft (default 5000)",
-    "speed": "KCAS (default 100; docs/evidence/fleet.md has one for each aircraft)",
+    "speed": "KCAS (default 100; the command aircraft NAME finds one)",
     "mach": "instead of --speed",
     "gamma": "flight path angle, deg",
     "heading": "deg",
