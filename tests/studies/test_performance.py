@@ -373,7 +373,7 @@ def test_a_c172p_has_a_negative_lift_limit():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("aircraft", ["SGS", "A4", "c172p"])
+@pytest.mark.parametrize("aircraft", ["SGS", "sgs126", "X15"])
 def test_the_page_of_the_fleet_is_current(aircraft, monkeypatch):
     docs = Path(__file__).parents[2] / "docs"
     monkeypatch.syspath_prepend(docs)
