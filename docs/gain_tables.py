@@ -192,7 +192,7 @@ def yaw(names):
             rows[i]["gains"]["yaw"] = rounded(known[i])
             if report:
                 rows[i]["report"]["yaw"] = {
-                    k: x for k, x in rounded(report).items() if k != "late" and x != math.inf
+                    k: x for k, x in rounded(report).items() if x != math.inf
                 }
         document["yaw"] = f"designed again at {len(known)} of {len(rows)} points, the rest kept"
         rewrite(path, document)

@@ -37,11 +37,12 @@ from .outer import (
     design_rudder,
     design_speed,
     design_yaw,
+    speed_report,
     with_altitude,
     with_speed,
 )
 from .plant import Plant
-from .requirements import MAX_FINAL_ERROR, STEP_REQUIREMENTS
+from .requirements import STEP_REQUIREMENTS
 from .search import PITCH, ROLL, Loop, LoopReport, Neighbours, Unstable, closed, design_attitude
 from .steps import STEPS, fly_step
 from .turbulence import in_turbulence
@@ -52,8 +53,6 @@ if TYPE_CHECKING:
 _INPUTS = ("elevator", "aileron", "rudder", "throttle")
 _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
 
-# weight of the throttle's stops in turbulence where a step in airspeed or altitude is not finished
-RELAXED_STOP_WEIGHT = 0.05
 
 # of an aircraft without an engine, in flights with its other loops
 _NO_ALTITUDE, _NO_SPEED = AltitudeGains(0.0, 0.0, 0.0), SpeedGains(0.0, 0.0)
@@ -332,7 +331,7 @@ def _loops(
     heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
     held: Held | None = None
     if limits is not None:
-        held = _speed_and_altitude(plant, trim, vt, limits, ramp, near)
+        held = _speed_and_altitude(plant, trim, limits, ramp, near)
     speed, quick, climb, climbing = held or (None, _left_out("speed"), None, _left_out("altitude"))
     report = [pitched, rolled, coordinated, steered, quick, climbing]
     return {
@@ -375,15 +374,11 @@ def _roll_and_yaw(
 def _speed_and_altitude(
     plant: Plant,
     trim: TrimState,
-    vt: float,
     limits: EnvelopeLimits,
     ramp: float,
     near: Neighbours,
 ) -> Held:
-    """Gains of throttle and rate of climb: those that finish the steps, if any do.
-
-    Where they do not, the throttle's stops in turbulence count for less.
-    """
+    """Gains of throttle and rate of climb, each judged with the other held."""
     room = (-trim.throttle[0], 1.0 - trim.throttle[0])
     climb_max = max(limits.climb_max, req.NO_CLIMB)
     rise = min(max(req.RISE_OF_EXCESS * climb_max, req.LEAST_RISE), req.RISE)
@@ -391,43 +386,15 @@ def _speed_and_altitude(
     step = STEP_REQUIREMENTS["speed"].size
     if per_knot * step >= req.THROTTLE_USE * room[1]:
         step = -step
-    hdot_max = min(req.CLIMB, req.CLIMB_OF_SPEED * vt, req.CLIMB_OF_EXCESS * climb_max)
-    band = req.BAND if trim.speed > limits.vc_min + req.NEAR_THE_LOWEST else req.GUST
-
-    def shaped(level: Plant, stops: float) -> Held:
-        throttle = design_speed(level, room, feed, step, stops, band, near)
-        held = with_speed(plant, throttle[0])
-        return *throttle, *design_altitude(held, ramp, hdot_max, room, stops, near)
-
-    def hold(stops: float) -> Held:
-        # the airspeed with the attitude held, the altitude, and both with the other held
-        first = shaped(plant, stops)
-        held = shaped(with_altitude(plant, first[2]), stops)
-        for by, report in (("throttle", held[1]), ("pitch angle", held[3])):
-            if not math.isfinite(report.settling):
-                raise Unstable(report.loop, f"no gains of the {by} settle a step in {report.loop}")
-        return held
-
-    held = hold(1.0)
-    if _excess(held) > 1.0:
-        with contextlib.suppress(Unstable):
-            held = max(held, hold(RELAXED_STOP_WEIGHT), key=_finished)
-    speed, quick, altitude, climbing = held
+    hdot_max = min(req.CLIMB, req.CLIMB_OF_EXCESS * climb_max)
+    speed = design_speed(plant, trim.speed, room, feed, near)
+    altitude, climbing = design_altitude(with_speed(plant, speed), ramp, hdot_max, room, near)
+    if not math.isfinite(climbing.settling):
+        why = "no gains of the pitch angle settle a step in altitude"
+        raise Unstable("altitude", why)
+    quick = speed_report(with_altitude(plant, altitude), speed, room, step)
     altitude = replace(altitude, theta_max=max(req.THETA_MAX, trim.theta + req.NOSE_UP))
     return speed, quick, altitude, climbing
-
-
-def _late(held: Held) -> tuple[float, float]:
-    """Errors at the end of the steps in airspeed and altitude, in what they may be."""
-    return held[1].late / MAX_FINAL_ERROR[0], held[3].late / MAX_FINAL_ERROR[1]
-
-
-def _excess(held: Held) -> float:
-    return max(_late(held))
-
-
-def _finished(held: Held) -> int:
-    return sum(late <= 1.0 for late in _late(held))
 
 
 def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGains:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -29,11 +28,10 @@ from .search import (
     grid,
     margins_of,
     reported,
-    settled,
     step_quality,
     tracked,
 )
-from .turbulence import AIR, Rough, at_a_stop, moved
+from .turbulence import Rough, at_a_stop, moved
 
 # periods of the loop in one step of a slow response
 _COARSE = 6
@@ -286,16 +284,6 @@ def design_heading(
 
 SPEED = Loop("speed", "throttle", "vc", "hdot", STEP_REQUIREMENTS["speed"])
 
-_SPEED_SHARES = np.geomspace(0.15, 1.0, 6)
-# where turbulence is light, as at high altitude
-_HIGHER_SHARES = np.geomspace(1.0, 4.0, 5)
-_SPEED_TIMES = np.geomspace(6.0, 75.0, 7)
-_SPEED_RAMPS = np.geomspace(0.3, 1.0, 4)
-_SPEED_WEIGHTS = np.linspace(0.5, 1.25, 16)
-
-# weight of the time within 0.2 kt, as a step of 25 kt needs it
-_LARGER = 0.5
-
 
 def speed_law(T: float, Kp: Any, Ki: Any, Kd: Any, Kc: Any, Tf: float = SpeedGains.Tf) -> Law:
     """The law at the throttle."""
@@ -310,126 +298,79 @@ def with_speed(plant: Plant, gains: SpeedGains) -> Plant:
 
 
 def design_speed(
-    plant: Plant,
-    room: tuple[float, float],
-    Kc: float,
-    step: float,
-    stops: float = 1.0,
-    band: float = req.BAND,
-    near: Neighbours = ALONE,
-) -> tuple[SpeedGains, LoopReport]:
-    """Throttle from airspeed and rate of climb; ``plant`` has the attitude or the altitude held.
+    plant: Plant, vc: float, room: tuple[float, float], Kc: float, near: Neighbours = ALONE
+) -> SpeedGains:
+    """Throttle from airspeed and rate of climb: one loop for all conditions of an aircraft.
 
-    ``room`` are the throttle's lowest and highest increment, ``Kc`` is what is fed forward,
-    ``stops`` the weight of the throttle's stops in turbulence, of which the plant may have some;
-    the ``band`` in kt is for steps that settle with it.
+    .. math::
+        \\dot V = a \\, u - d \\, V, \\qquad
+        K_p = \\frac{\\omega_c}{a}, \\qquad K_i = \\frac{K_p}{T_i}
+
+    with the slopes of `level_slopes`, and within a range of crossovers the one with which an error
+    of 12 kt uses the throttle that is left. The weight b of the reference cancels the slower pole
+    of the closed loop, or the airspeed would overshoot. ``plant`` has the pitch angle held, ``vc``
+    is the airspeed in KCAS, ``room`` the throttle's lowest and highest increment, ``Kc`` what is
+    fed forward. Where there are neighbours the loop is theirs, but for ``Kc``.
     """
-
-    def best(shares: np.ndarray) -> tuple[SpeedGains, LoopReport]:
-        candidates = _speed_candidates(plant, room, Kc, stops, near, shares)
-        return _best_speed(plant, room, step, band, candidates)
-
-    found = best(_SPEED_SHARES)
-    slow = not found[1].settling <= SPEED.required.settling_off
-    if slow and any(name in plant.inputs for name in AIR):
-        with contextlib.suppress(Unstable):
-            more = best(_HIGHER_SHARES)
-            if more[1].settling < found[1].settling and not more[1].relaxed:
-                return more
-    return found
-
-
-def _speed_candidates(
-    plant: Plant,
-    room: tuple[float, float],
-    Kc: float,
-    stops: float,
-    near: Neighbours,
-    shares: np.ndarray,
-) -> tuple[np.ndarray, LoopMargins, Rough, np.ndarray]:
-    """Kp, Ki, Kd and Kc, of Kp some shares of the throttle for an error of 12 kt; their cost."""
-    travel = min(-room[0], room[1])
-    share, time = grid(shares, _SPEED_TIMES)
-    Kp = share * travel / req.GUST
-    Kp, Ki = near.joined("speed", Kp=Kp, Ki=Kp / time)
-    gains = np.array([Kp, Ki, -Kp * SpeedGains.Tf, np.full_like(Kp, Kc)])
-    L, moves = moved(plant, speed_law(plant.T, *gains[:, :, None]), "throttle")
-    found, none = loop_margins(OMEGA, L), np.zeros(len(Kp))
-    rough = Rough(none, none, at_a_stop(moves["throttle"], room))
-    cost = (
-        60.0 * requirement_met(found)
-        + 10.0 * Kp * req.GUST / travel
-        + rough.cost(stops)
-        + SPEED.required.quick * near.cost("speed", Kp=Kp, Ki=Ki)
-    )
-    return gains, found, rough, cost
-
-
-def _best_speed(
-    plant: Plant,
-    room: tuple[float, float],
-    step: float,
-    band: float,
-    candidates: tuple[np.ndarray, LoopMargins, Rough, np.ndarray],
-) -> tuple[SpeedGains, LoopReport]:
-    """The best of some candidates, with the best weight and ramp of the reference."""
-    gains, found, rough, cost = candidates
-    pick = np.flatnonzero(requirement_met(found) < len(MARGINS))
-    if not len(pick):
-        raise Unstable("speed", "no gains of the throttle hold the airspeed")
-    k, ramp = grid(pick, _SPEED_RAMPS)
-
-    # candidates are compared without the band, or it would count for loose ones that it spares,
-    # and without a weight of the reference, which would hide slow ones
-    def fly(i: np.ndarray) -> tuple[np.ndarray, ...]:
-        once = np.ones(len(i))
-        score, *flown, _ = _speed_steps(plant, room, step, gains[:, k[i]], once, ramp[i], math.inf)
-        return score + cost[k[i]], *flown
-
-    i, _, _, late, _ = _least(np.arange(len(k)), cost[k] + SPEED.required.quick, fly)
-    j = k[i]
-    b, ramp = grid(_SPEED_WEIGHTS, _SPEED_RAMPS)
-    these = np.repeat(gains[:, [j]], len(b), axis=1)
-    # the widest band where no step settles with the one asked for
-    for kept in dict.fromkeys((band, req.GUST)):
-        score, time, over, _, use, close = _speed_steps(plant, room, step, these, b, ramp, kept)
-        i = int(np.argmin(score + _LARGER * np.minimum(close, SPEED.required.seconds)))
-        if math.isfinite(time[i]):
-            break
-    Kp, Ki, Kd, Kc = (float(x) for x in gains[:, j])
-    report = reported(
-        "speed", found, j, SPEED.required, time[i], over[i], use[i], late, rough.said(j)
-    )
+    for gains in near.gains:
+        if gains.speed is not None:
+            return replace(gains.speed, Kc=Kc)
+    thrust, drag = level_slopes(plant)
+    slowest, fastest = req.SPEED_CROSSOVERS
+    crossover = min(max(thrust * min(-room[0], room[1]) / req.GUST, slowest), fastest)
+    Kp, Ti, half = crossover / thrust, req.SPEED_TIME, 0.5 * (crossover + drag)
+    slower = half - math.sqrt(max(half * half - crossover / Ti, 0.0))
+    if not min(thrust, slower) > 0.0:
+        raise Unstable("speed", "the throttle does not hold the airspeed of level flight")
     return SpeedGains(
-        Kp=Kp, Ki=Ki, Kd=Kd, b=float(b[i]), ramp=float(ramp[i]), Kc=Kc, band=kept
-    ), report
+        Kp=Kp,
+        Ki=Kp / Ti,
+        Kd=-Kp * SpeedGains.Tf,
+        b=min(1.0 / (Ti * slower), 1.0),
+        ramp=max(req.SPEED_RAMP, vc / req.SPEED_RAMP_TIME),
+        Kc=Kc,
+        band=req.GUST,
+    )
 
 
-def _speed_steps(
-    plant: Plant,
-    room: tuple[float, float],
-    step: float,
-    gains: np.ndarray,
-    b: np.ndarray,
-    ramp: np.ndarray,
-    band: float,
-) -> tuple[np.ndarray, ...]:
-    """Score, settling, overshoot, last error and use of steps, and the time within 0.2 kt."""
+def level_slopes(plant: Plant) -> tuple[float, float]:
+    """Acceleration by full throttle in kt/s, and by a kt of airspeed, taken off, in 1/s.
+
+    Below the crossover of the airspeed loop, where engines follow, and with the pitch angle that
+    keeps the rate of climb at 0.
+    """
+    w = np.array([0.5 * req.SPEED_CROSSOVERS[1]])
+    throttle, theta = plant.response(w, "throttle"), plant.response(w, "theta_cmd")
+    level = throttle["vc"] - theta["vc"] * throttle["hdot"] / theta["hdot"]
+    thrust = float((w / (1.0 / level).imag)[0])
+    return thrust, thrust * float((1.0 / level).real[0])
+
+
+def speed_report(
+    plant: Plant, gains: SpeedGains, room: tuple[float, float], step: float
+) -> LoopReport:
+    """Margins, and a ``step`` in kt; ``plant`` has the altitude held, and may have turbulence."""
+    L, moves = moved(plant, speed_law(plant.T, gains.Kp, gains.Ki, gains.Kd, gains.Kc), "throttle")
+    found, none = loop_margins(OMEGA, L[None]), np.zeros(1)
+    if requirement_met(found)[0] == len(MARGINS):
+        raise Unstable("speed", "no gains of the throttle hold the airspeed")
+    rough = Rough(none, none, at_a_stop(moves["throttle"][None], room))
     p, required = plant.slower(_COARSE), SPEED.required
-    Kp, Ki, _, Kc = gains
     error, peak = tracked(
-        p, SPEED, step, required.seconds, ramp, room, (Kp, Ki, -Kc), b, SpeedGains.Tf, band
+        p,
+        SPEED,
+        step,
+        required.seconds,
+        gains.ramp,
+        room,
+        np.array([[gains.Kp], [gains.Ki], [-gains.Kc]]),
+        np.array([gains.b]),
+        gains.Tf,
+        gains.band,
     )
-    there, use = room[1] if step > 0.0 else -room[0], peak / min(-room[0], room[1])
-    time, over, late = step_quality(error, required.tolerance, p.T)
-    score = (
-        np.maximum(time, required.quick)
-        + 30.0 * np.maximum(over - 0.25, 0.0)
-        + 300.0 * np.maximum(late - 0.1, 0.0)
-        + 5.0 * use
-        + 60.0 * np.maximum(peak / there - required.use, 0.0)
-    )
-    return score, time, over, late, use, settled(error, 0.2, p.T)
+    time, over, _ = step_quality(error, required.tolerance, p.T)
+    use = peak[0] / min(-room[0], room[1])
+    return reported("speed", found, 0, required, time[0], over[0], use, rough.said(0))
 
 
 def design_feed(plant: Plant, room: tuple[float, float], rise: float) -> tuple[float, float]:
@@ -484,13 +425,12 @@ def design_altitude(
     ramp: float,
     hdot_max: float,
     room: tuple[float, float] = (-1.0, 1.0),
-    stops: float = 1.0,
     near: Neighbours = ALONE,
 ) -> tuple[AltitudeGains, LoopReport]:
     """Pitch reference from the rate of climb; ``plant`` has pitch and airspeed loops closed.
 
     ``ramp`` is that of the pitch reference in deg/s, ``hdot_max`` the largest rate of climb in
-    ft/s, ``room`` the throttle's; ``stops`` as in `design_speed`.
+    ft/s, ``room`` the throttle's.
     """
     gains, required = _altitude_candidates(plant, near), STEP_REQUIREMENTS["altitude"]
     Kp, Ki, Kh = gains
@@ -499,7 +439,7 @@ def design_altitude(
     found = loop_margins(OMEGA, L)
     level = requirement_met(found)
     soonest = _SOONEST * required.size / hdot_max
-    cost = 30.0 * level + 6.0 * found.crossover + rough.cost(stops)
+    cost = 30.0 * level + 6.0 * found.crossover + rough.cost()
     cost += soonest * near.cost("altitude", Kp=Kp, Ki=Ki, Kh=Kh)
     pick = np.flatnonzero(level < len(MARGINS))
     if not len(pick):
@@ -518,10 +458,10 @@ def design_altitude(
         )
         return score, time, over, late, peak
 
-    j, time, over, late, peak = _least(pick, cost + soonest, fly)
+    j, time, over, _, peak = _least(pick, cost + soonest, fly)
     return AltitudeGains(
         Kh=float(Kh[j]), Kp=float(Kp[j]), Ki=float(Ki[j]), hdot_max=hdot_max
-    ), reported("altitude", found, j, required, time, over, peak / 10.0, late, rough.said(j))
+    ), reported("altitude", found, j, required, time, over, peak / 10.0, rough.said(j))
 
 
 # candidates flown at first, and how many times as many each time after: most of the time of a step

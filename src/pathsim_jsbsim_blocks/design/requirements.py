@@ -68,9 +68,6 @@ STEP_REQUIREMENTS = {
     ),
 }
 
-# kt and ft: errors at the end of the steps in airspeed and altitude that the search aims at
-MAX_FINAL_ERROR = (0.14, 0.06)
-
 # ft of altitude kept in a step of the airspeed, at the design point and off it
 ALTITUDE_KEPT, ALTITUDE_KEPT_OFF = 15.0, 22.5
 
@@ -95,12 +92,16 @@ ROLL_RAMP, ROLL_SLOW, ROLL_SLIP = 10.0, 5.0, 1.2
 # deg: bank of a turn
 BANK = 25.0
 
-# largest rate of climb that is demanded: ft/s, of the airspeed, of the excess climb
-CLIMB, CLIMB_OF_SPEED, CLIMB_OF_EXCESS = 25.0, 0.06, 0.8
+# largest rate of climb that is demanded: ft/s, of the excess climb
+CLIMB, CLIMB_OF_EXCESS = 25.0, 0.8
 
-# kt: an error that may use all of the throttle's remaining travel; a larger one than the second is
-# a gust, and counts less, but not so near above the lowest airspeed
-GUST, BAND, NEAR_THE_LOWEST = 12.0, 4.0, 25.0
+# kt: an airspeed error that may use all of the throttle that is left; what is beyond is a gust, and
+# counts less
+GUST = 12.0
+
+# rad/s: lowest and highest crossover of the airspeed loop; s: its Kp / Ki; kt/s: least rate of its
+# reference; s in which the reference moves by the airspeed, where that is faster
+SPEED_CROSSOVERS, SPEED_TIME, SPEED_RAMP, SPEED_RAMP_TIME = (0.15, 0.2), 30.0, 1.0, 225.0
 
 # share of the largest lift at which the angle of attack is limited, and the highest limit, deg;
 # lowest airspeed over that of level flight at this angle
@@ -131,8 +132,6 @@ _FURTHER = f"""
 | further | at the design point | off it |
 |---|--:|--:|
 | altitude kept in a step of the airspeed | {ALTITUDE_KEPT:g} ft | {ALTITUDE_KEPT_OFF:g} ft |
-| error at the end that the search aims at, speed and altitude \
-| {MAX_FINAL_ERROR[0]:g} kt, {MAX_FINAL_ERROR[1]:g} ft | |
 | sideslip in the turn | | {MAX_SIDESLIP:g} deg |
 | a command at its stop | | {MAX_SECONDS_AT_A_STOP:g} s |
 | altitude in moderate turbulence, largest error | {ALTITUDE_IN_TURBULENCE:g} ft | |
@@ -154,14 +153,14 @@ _FURTHER = f"""
 | rate of the roll reference | {ROLL_RAMP:g} deg/s |
 | sideslip by a roll, p sin &alpha;, but no slower than {ROLL_SLOW:g} deg/s | {ROLL_SLIP:g} deg/s |
 | bank of a turn | {BANK:g} deg |
-| rate of climb | {CLIMB:g} ft/s, {CLIMB_OF_SPEED:.0%} of the airspeed, \
-{CLIMB_OF_EXCESS:.0%} of the excess |
+| rate of climb | {CLIMB:g} ft/s, {CLIMB_OF_EXCESS:.0%} of the excess |
 | rate of climb that is fed all of the throttle | {RISE:g} ft/s, \
 or {RISE_OF_EXCESS:g} times the excess where less, but no less than {LEAST_RISE:g} ft/s |
 | step up of the airspeed in the design, of the throttle that is left | {THROTTLE_USE:g} |
-| error of the airspeed that uses all of the throttle | {GUST:g} kt |
-| error of the airspeed that counts in full | {BAND:g} kt, \
-{GUST:g} kt within {NEAR_THE_LOWEST:g} kt of the lowest |
+| error of the airspeed that uses the throttle that is left, and counts in full | {GUST:g} kt |
+| crossover of the airspeed loop, and its Kp / Ki \
+| {SPEED_CROSSOVERS[0]:g} to {SPEED_CROSSOVERS[1]:g} rad/s, {SPEED_TIME:g} s |
+| rate of its reference | {SPEED_RAMP:g} kt/s, or the airspeed in {SPEED_RAMP_TIME:g} s |
 | angle of attack | {ALPHA:g} deg, {LIFT:.0%} of the largest lift |"""
 
 

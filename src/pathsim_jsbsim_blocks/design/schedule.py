@@ -88,7 +88,6 @@ class DesignedSchedule:
 def _plain(row: LoopReport) -> dict[str, Any]:
     """A row of a report without its name and without numbers that JSON lacks."""
     numbers = {k: x for k, x in vars(row).items() if isinstance(x, float) and math.isfinite(x)}
-    numbers.pop("late", None)
     return numbers | ({"relaxed": row.relaxed} if row.relaxed else {})
 
 
@@ -163,9 +162,10 @@ def design_schedule(
     for there in sorted(conditions, key=lambda there: _away(there, condition)):
         found: DesignedGains | Exception
         try:
-            found = design_gains(
-                aircraft, there, near=_neighbours([*near, *designs], there), **options
-            )
+            before = [*near, *designs]
+            # the airspeed loop is that of any
+            beside = _neighbours(before, there) or before[:1]
+            found = design_gains(aircraft, there, near=beside, **options)
             designs.append(found)
         except (DesignError, TrimError) as error:
             found = error

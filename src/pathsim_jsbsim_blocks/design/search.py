@@ -57,9 +57,6 @@ class LoopReport:
         of the same step on the nonlinear aircraft; NaN where it was not flown
     relaxed : str
         what the loop does not meet of what is asked for; empty if it meets all
-    late : float
-        largest error in the last 5 s of the step as the candidates are compared: of the airspeed
-        without its band, and with b = 1; NaN except for airspeed and altitude
     """
 
     loop: str
@@ -74,7 +71,6 @@ class LoopReport:
     flown_settling: float = math.nan
     flown_overshoot: float = math.nan
     relaxed: str = ""
-    late: float = math.nan
 
 
 def margins_of(m: LoopMargins, k: int) -> dict[str, Any]:
@@ -91,7 +87,6 @@ def reported(
     settling: float,
     overshoot: float,
     use: float,
-    late: float = math.nan,
     more: Sequence[str] = (),
 ) -> LoopReport:
     """The report of the loop ``j`` of those found; ``more`` is what else it does not meet."""
@@ -110,7 +105,6 @@ def reported(
         overshoot=float(overshoot),
         use=float(use),
         relaxed="; ".join([*missed, *more]),
-        late=float(late),
     )
 
 

@@ -97,14 +97,14 @@ class Rough:
     pitch: np.ndarray  # rms in deg
     stop: np.ndarray  # share of the time for which the throttle is at a stop
 
-    def cost(self, stops: float) -> np.ndarray:
-        """In s of settling; ``stops`` is a weight of the throttle's stops."""
+    def cost(self) -> np.ndarray:
+        """In s of settling."""
         h = np.maximum(self.altitude * _PEAK / req.ALTITUDE_IN_TURBULENCE - 1.0, 0.0)
         theta = np.clip(
             self.pitch / (req.PITCH_AIM * req.PITCH_IN_TURBULENCE) - 1.0, 0.0, _PITCH_LOST
         )
         stop = np.clip(self.stop / (req.STOP_AIM * req.STOP_IN_TURBULENCE) - 1.0, 0.0, _STOP_LOST)
-        return _ALTITUDE_COST * h + _PITCH_COST * theta + stops * _STOP_COST * stop
+        return _ALTITUDE_COST * h + _PITCH_COST * theta + _STOP_COST * stop
 
     def said(self, i: int) -> tuple[str, ...]:
         """What one of them does not meet, in words."""

@@ -109,7 +109,6 @@ class Protection:
     BOOST_ENDS_ABOVE = 0.985
     CLIMB_YIELDS_BELOW = 0.97  # from 1 on, from the climb at full throttle to that measured
     CLIMB_TRADED_BELOW = 0.95  # the airspeed is regained at the climb's expense
-    DESCENT_YIELDS_ABOVE = 1.02  # the descent takes no more than the airspeed leaves
     MAKES_WAY = 2.0  # throttle taken, of that which the rest of the descent would save
 
     # of the lowest airspeed
@@ -117,6 +116,7 @@ class Protection:
     DESCENT_FORCED_BELOW = 0.96
     BOOST_FULL_AT = 0.04  # so far below the one demanded, or above the highest, where it is taken
     AHEAD = 2.0  # s, of the airspeed, by the rate of the energy
+    DESCENT_YIELDS = 5.0  # kt above the airspeed demanded, beyond which a descent does not take it
 
     def __init__(self, T: float, alpha_max: float | None, envelope: EnvelopeLimits | None):
         self.T = T
@@ -184,7 +184,7 @@ class Protection:
             most, boost = self._for_airspeed(state, wanted, slowest, stiffness, spare)
             boost = self._boost(state, boost, floor, fastest)
             if eases:
-                kept = min(self.DESCENT_YIELDS_ABOVE * wanted, fastest)
+                kept = min(wanted + self.DESCENT_YIELDS * per_knot, fastest)
         least = eased = floor
         if moving:
             # level flight at idle is enough to slow down
