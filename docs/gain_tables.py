@@ -9,7 +9,8 @@ With ``--limits`` the limits of the envelope are measured anew, and the tables k
 With ``--yaw`` only the gains of the rudder are designed anew, for aircraft with several engines.
 With ``--fly`` the steps are flown with the existing tables, for
 the tables of `docs/evidence`; with ``--off`` at other airspeeds, altitudes and fuel;
-with ``--cruise`` those of airliners at cruise altitudes; with ``--slow`` slowly near the ground.
+with ``--cruise`` those of airliners at cruise altitudes; with ``--slow`` slowly near the ground;
+with ``--airspeed`` large steps of the airspeed.
 """
 
 import argparse
@@ -676,6 +677,68 @@ def fly_slow(names):
         write_table("autopilots-near-ground", SLOW_HEADER + rows)
 
 
+# steps of the airspeed, shares of it; s before the step, after it, and from which it is judged
+SPEED_STEPS, SPEED_BEFORE, SPEED_AFTER, SPEED_JUDGED = (-0.2, -0.1, 0.1, 0.2), 5.0, 100.0, 75.0
+
+SPEED_HEADER = """\
+| aircraft | from KCAS | to KCAS | within 1 kt after s | largest error after 75 s, kt \
+| beyond the goal, kt | altitude, ft | throttle at its stop |
+|---|--:|--:|--:|--:|--:|--:|--:|
+"""
+
+
+def speed_steps(schedule):
+    """Airspeeds before and after steps, within those of a table at its nominal altitude."""
+    nominal = schedule.points[schedule.nominal]
+    speeds = sorted(p.speed for p in schedule.points if p.altitude == nominal.altitude)
+    low, high = speeds[0] - 0.6, speeds[-1] + 0.6
+    for share in SPEED_STEPS:
+        goal = (1.0 + share) * nominal.speed
+        # a table of one airspeed has those around it
+        if len(speeds) == 1 or low <= goal <= high:
+            yield nominal.speed, goal
+    for start, share in ((speeds[0], 0.2), (speeds[-1], -0.2)):
+        if start != nominal.speed:
+            yield start, (1.0 + share) * start
+
+
+def speed_rows(name):
+    """Rows of the table of large steps of the airspeed."""
+    schedule, flight, rows = read_gains(table_of(name)), flight_of(name), []
+    altitude = schedule.points[schedule.nominal].altitude
+    for start, goal in speed_steps(schedule):
+        condition = replace(flight.condition, altitude=altitude, speed=start)
+        plane = Aircraft(name, condition=condition, create=flight.create, T=SLOW_T, substeps=2)
+        autopilot = Autopilot(gains=schedule, T=SLOW_T)
+        before, after = round(SPEED_BEFORE / SLOW_T), round(SPEED_AFTER / SLOW_T)
+        size = goal - start
+        flight_of_step = flown_by(
+            autopilot,
+            plane,
+            before + after,
+            lambda k, _, b=before, d=size: {"vc_ref": d * (k >= b)},
+        )
+        y = np.array([(seen["vc"], seen["h"], seen["thr_sat"]) for _, seen in flight_of_step])
+        vc, h, stop = y[before:].T
+        error = np.sign(size) * (vc - goal)
+        outside = np.flatnonzero(np.abs(error) > 1.0)
+        time = (outside[-1] + 1) * SLOW_T if len(outside) else 0.0
+        late = np.abs(error[round(SPEED_JUDGED / SLOW_T) :]).max()
+        rows.append(
+            f"| {name} | {start:.0f} | {goal:.0f} | {f'{time:.0f}' if time < SPEED_AFTER else ''} "
+            f"| {late:.1f} | {max(error.max(), 0.0):.1f} | {np.abs(h - h[0]).max():.0f} "
+            f"| {(stop != 0.0).mean():.0%} |\n"
+        )
+    return "".join(rows)
+
+
+def fly_airspeed(names):
+    """Fly large steps of the airspeed with the tables."""
+    rows = rows_of(speed_rows, names)
+    if not names:
+        write_table("designed-gains-airspeed", SPEED_HEADER + rows)
+
+
 def main(names):
     TABLES.mkdir(exist_ok=True)
     for name in names or (name for name in aircraft_names() if name not in KEPT):
@@ -700,5 +763,6 @@ if __name__ == "__main__":
     do.add_argument("--yaw", dest="do", action="store_const", const=yaw)
     do.add_argument("--cruise", dest="do", action="store_const", const=fly_cruise)
     do.add_argument("--slow", dest="do", action="store_const", const=fly_slow)
+    do.add_argument("--airspeed", dest="do", action="store_const", const=fly_airspeed)
     options = parser.parse_args()
     options.do(options.aircraft)
