@@ -17,10 +17,12 @@ from pathsim_jsbsim_blocks import studies
 table = studies.performance_table(
     "c172p", altitudes=[0, 10000], flaps=[0, 1], progress=False
 )
-studies.performance_chart(table)
+studies.performance_chart(
+    table, charts=["speeds", "climb", "glide", "turn"]
+)
 
 # %% [markdown]
-# Each row of the table is a value with its condition. Of the best values, `flown` is what 60 s of flight with controls fixed
+# These are four of ten panels; without `charts` all are drawn. Each row of the table is a value with its condition. Of the best values, `flown` is what 60 s of flight with controls fixed
 # find, and `reason` says what limits a value:
 
 # %%
