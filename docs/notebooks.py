@@ -41,6 +41,7 @@ def executed(name, folder=None):
     notebook = source(name)
     # a warning names the file of its line, which is otherwise a temporary one of the kernel
     os.environ["IPYKERNEL_CELL_NAME"] = "cell"
+    os.environ.pop("MPLBACKEND", None)  # a figure is shown by the kernel's own backend alone
     nbclient.NotebookClient(
         notebook,
         timeout=600,
