@@ -329,11 +329,17 @@ def test_numbers_of_evidence_are_those_of_their_tables(monkeypatch):
 TABLES = ("fleet", "fleet-modes", "performance")
 
 
-@pytest.mark.parametrize("name", TABLES)
+# limits are published ones, and gains are compared with the tables of the package
+BY_HAND = ("autopilots-limits", "autopilots-gains")
+
+
+@pytest.mark.parametrize(
+    "name", sorted({p.stem for p in (ROOT / "docs" / "evidence").glob("*.csv")} - {*BY_HAND})
+)
 def test_a_table_names_the_commits_that_made_it(name, monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     rows = importlib.import_module("generate").read_table(name)
-    assert len(rows) > 40
+    assert rows
     assert [row for row in rows if not re.fullmatch("[0-9a-f]{9}", row["commit"])] == []
 
 
