@@ -337,7 +337,7 @@ def test_what_a_doublet_shows_is_told(name, port, output):
 @pytest.mark.long
 def test_a_command_that_does_not_do_what_it_is_for_is_refused():
     # up or down, an aileron deflected briefly leaves the DHC6 in a bank to the right
-    with pytest.raises(LinearisationError, match="none fits the response of phi to") as caught:
+    with pytest.raises(LinearisationError, match="phi") as caught:
         plane("DHC6").linear_model(inputs=["aileron", "rudder"])
     assert caught.value.reason == "no fit"
 
@@ -427,7 +427,7 @@ def test_a_file_that_was_changed_is_refused(tmp_path, changed, text):
     file = tmp_path / "model.json"
     plane("737").linear_model("algebraic").save(file)
     file.write_text(json.dumps({**json.loads(file.read_text()), **changed}))
-    with pytest.raises(ParameterError, match=f"holds no linear model: .*{text}"):
+    with pytest.raises(ParameterError, match=text):
         LinearModel.load(file)
 
 

@@ -23,9 +23,9 @@ class LinearAircraft(LinearModelBlock):
         \\dot{x} = A x + B u, \\qquad y = y_0 + C x + D u
 
     The aircraft is trimmed and its model identified when the block is built (about 0.5 s). The
-    model flies continuously, with the diagram's solver: small motions about the trim are those of
-    the aircraft. Commands have no limits here. The latency of JSBSim's order of computation is a
-    first-order lag on each input.
+    diagram's solver integrates the model, which is valid for small motions about the trim.
+    Commands are not limited. The latency of JSBSim's order of computation is a first-order lag on
+    each input.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class LinearAircraft(LinearModelBlock):
     flaps : float, optional
         flap command, 0 to 1; default is the model's own setting
     T : float
-        sample period in s of the aircraft whose model it is
+        sample period in s of the modelled aircraft
     substeps : int
         JSBSim steps per sample period
     condition : TrimCondition, optional
@@ -68,7 +68,7 @@ class LinearAircraft(LinearModelBlock):
     Inputs
     ------
     elevator, aileron, rudder, throttle
-        increments on the trimmed commands, as of `Aircraft`
+        increments on the trimmed commands, as for `Aircraft`
 
     Outputs
     -------
@@ -93,12 +93,12 @@ class LinearAircraft(LinearModelBlock):
     lat, lon
         geodetic latitude and longitude, deg
     elev_sat, ail_sat, rud_sat, thr_sat
-        0: commands have no limits here
+        0, because commands are not limited
 
     Raises
     ------
     LinearisationError
-        where there is no linear model
+        if there is no linear model
     AircraftError, PropertyError, ParameterError, TrimError
         for unknown names, impossible values, or no trim
 
@@ -127,20 +127,20 @@ class LinearAircraft(LinearModelBlock):
     root: str | None = None
     create: Mapping[str, float] | str | None = None
 
-    # the model has no wind
+    # without the wind ports of `Aircraft`: the model has no wind inputs
     input_port_labels = numbered("elevator aileron rudder throttle")
     output_port_labels = Aircraft.output_port_labels
 
     def _begin(self) -> None:
-        given = {f.name: getattr(self, f.name) for f in fields(LinearAircraft) if f.init}
-        method = given.pop("method")
-        model = Aircraft(**given).linear_model(method)
+        parameters = {f.name: getattr(self, f.name) for f in fields(LinearAircraft) if f.init}
+        method = parameters.pop("method")
+        model = Aircraft(**parameters).linear_model(method)
         self.model = _with_ports(model, self.input_port_labels)
         super()._begin()
 
 
 def _with_ports(model: LinearModel, names: Iterable[str]) -> LinearModel:
-    """The model with inputs of all these names: those it lacks, such as a throttle, do nothing."""
+    """The model with these inputs; those it lacks, such as a throttle, have no effect."""
     lacking = [name for name in names if name not in model.inputs]
 
     def beyond(array: np.ndarray, value: float = 0.0) -> np.ndarray:

@@ -15,7 +15,7 @@ from ..flight.channels import Channel
 from ..flight.flyable import Flyable
 from .linearised import Linearised, no_model
 from .model import LinearModel
-from .states import RIGID, as_shown, full_circle, ignorable
+from .states import RIGID, full_circle, ignorable, port_value
 
 # JSBSim's states in the order in which they are written (height and angles move the velocities):
 # initial condition, present value, rate, perturbation in the property's unit
@@ -37,14 +37,14 @@ _ACCELERATIONS = [rate for *_, rate, _ in _STATES if rate.startswith("accelerati
 # perturbation of an input, in its unit
 _COMMAND = 1e-3
 
-# for quantities that are not angles
+# period of quantities that are not angles
 _NO_CIRCLE = 1e99
 
 # runs without integration until accelerations that depend on others (alphadot) have settled
 _RUNS = 6
 
-# ft/s2 and rad/s2 by which accelerations may still change in an interval of held flight, in which
-# an engine with a governor settles; the interval in s, and how many it may take
+# held flight in which a governed engine settles: maximum change of the accelerations over an
+# interval, ft/s2 and rad/s2; interval, s; maximum number of intervals
 _SETTLED = 1e-8
 _INTERVAL = 1 / 3
 _INTERVALS = 300
@@ -53,7 +53,7 @@ _INTERVALS = 300
 _LATENCY = 1
 
 
-# position: its rate over ground
+# ground speed along each coordinate of the position
 _POSITIONS = {
     property_of("lat"): "velocities/v-north-fps",
     property_of("lon"): "velocities/v-east-fps",
@@ -66,15 +66,15 @@ def algebraic_model(
     outputs: Sequence[str] | None,
     amplitude: Mapping[str, float] | None,
 ) -> LinearModel:
-    """Differentiate a block that ``build`` makes; parameters as of `FlightBlock.linear_model`."""
+    """Differentiate the block of ``build``; parameters as in `FlightBlock.linear_model`."""
     if mapping("amplitude", amplitude):
-        refuse("amplitude", amplitude, "amplitude is that of pulses: it goes with method='flown'")
+        refuse("amplitude", amplitude, "amplitude is for pulses: use it with method='flown'")
     plane = build()
     airframe, subject = plane.airframe, Linearised(plane, inputs, outputs)
-    shown = subject.outputs
-    x0 = [as_shown(c, airframe.fdm[c.properties[0]]) for c in RIGID]
-    places = [c for c in shown if c.properties and c.properties[0] in _POSITIONS]
-    for c in shown:
+    channels = subject.outputs
+    x0 = [port_value(c, airframe.fdm[c.properties[0]]) for c in RIGID]
+    places = [c for c in channels if c.properties and c.properties[0] in _POSITIONS]
+    for c in channels:
         if ignorable(c) and c not in places and not c.properties[0].startswith("attitude/"):
             why = f"outputs: {c.name!r} has no state in the algebraic method; use method='flown'"
             refuse("outputs", c.name, why)
@@ -85,7 +85,7 @@ def algebraic_model(
     read = [(airframe.reader(name), Channel(name, (name,))) for name in rates]
     read += [
         (airframe.reader(c.properties[0]) if c.properties else lambda: 0.0, c)
-        for c in (*RIGID, *shown)
+        for c in (*RIGID, *channels)
     ]
     with airframe.engines_stopped():
         by_state, by_input, even = _differences(plane, subject.inputs, read)
@@ -98,7 +98,7 @@ def algebraic_model(
     if places:
         turn = np.array([[_deg_per_ft(airframe, c.properties[0])] for c in places])
         more = turn * (by_state[n:k] @ back), turn * by_input[n:k]
-        A, B, C, D = _with_places((A, B, C, D), more, [shown.index(c) for c in places])
+        A, B, C, D = _with_places((A, B, C, D), more, [channels.index(c) for c in places])
     odd, uneven = (np.sqrt((x[:n] ** 2).sum(axis=0)) for x in (by_input, even))
     kinks = np.where(odd > 0.0, uneven / np.where(odd > 0.0, odd, 1.0), np.nan)
     return subject.model(
@@ -114,7 +114,7 @@ def algebraic_model(
 def _with_places(
     matrices: Sequence[np.ndarray], rates: Sequence[np.ndarray], rows: Sequence[int]
 ) -> Sequence[np.ndarray]:
-    """The matrices with further states, positions: their rates, and the outputs that they are."""
+    """The matrices with positions, which are also outputs, as additional states."""
     A, B, C, D = matrices
     n, m = len(A), len(rows)
     A = np.block([[A, np.zeros((n, m))], [rates[0], np.zeros((m, m))]])
@@ -126,7 +126,7 @@ def _with_places(
 
 
 def _deg_per_ft(airframe: Airframe, position: str) -> float:
-    """Change of latitude or longitude with the distance over ground."""
+    """Change of latitude or longitude with the distance over ground, deg/ft."""
     from pymap3d.rcurve import meridian, transverse
 
     latitude = airframe.fdm[property_of("lat")]
@@ -147,7 +147,7 @@ def _settle_at_once(plane: Flyable) -> None:
 
 
 def _settle_in_time(plane: Flyable) -> None:
-    """The same in steps of time: governors jump in JSBSim's own, turboprops have no power there."""
+    """The same in time steps: JSBSim's steady state lacks governors and the power of turboprops."""
     airframe = plane.airframe
     airframe.start_turbines()
     now = np.full(len(_ACCELERATIONS), np.inf)
@@ -165,8 +165,8 @@ def _settle_in_time(plane: Flyable) -> None:
 
 def _differences(
     plane: Flyable,
-    moved: Sequence[Channel],
-    shown: Sequence[tuple[Callable[[], float], Channel]],
+    ports: Sequence[Channel],
+    readings: Sequence[tuple[Callable[[], float], Channel]],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Central differences by the states and by the inputs, and the even parts of the latter."""
     airframe = plane.airframe
@@ -174,10 +174,10 @@ def _differences(
     governed = any(fdm[name] for name in airframe.of_engines("constant-speed-mode"))
     settle = _settle_in_time if governed or airframe.of_engines("itt-c") else _settle_at_once
     states = [(write(initial), fdm[present], step) for initial, present, _, step in _STATES]
-    inputs = [[(write(name), fdm[name]) for name in c.properties] for c in moved]
-    factors = np.array([channel.factor for _, channel in shown])
-    # a heading of 0 is next to 360
-    circles = np.array([full_circle(channel) or _NO_CIRCLE for _, channel in shown])
+    inputs = [[(write(name), fdm[name]) for name in c.properties] for c in ports]
+    factors = np.array([channel.factor for _, channel in readings])
+    # a heading of 0 deg is next to one of 360
+    circles = np.array([full_circle(channel) or _NO_CIRCLE for _, channel in readings])
 
     def at(state: int = -1, port: int = -1, by: float = 0.0) -> np.ndarray:
         for j, (put, value, _) in enumerate(states):
@@ -189,17 +189,17 @@ def _differences(
         fdm.run_ic()
         settle(plane)
         fdm.set_trim_status(False)
-        return factors * [read() for read, _ in shown]
+        return factors * [read() for read, _ in readings]
 
     still = at()
 
     def both(step: float, **which: int) -> tuple[np.ndarray, np.ndarray]:
-        """The difference over a step to both sides, and its even part."""
+        """The central difference over a step, and its even part."""
         up, down = (at(by=by, **which) - still for by in (step, -step))
         up, down = (x - circles * np.round(x / circles) for x in (up, down))
         return (up - down) / (2 * step), (up + down) / (2 * step)
 
     by_state = [both(step, state=j)[0] for j, (_, _, step) in enumerate(states)]
     by_input = [both(_COMMAND, port=j) for j in range(len(inputs))]
-    odd, even = np.reshape(by_input, (len(inputs), 2, len(shown))).transpose(1, 2, 0)
+    odd, even = np.reshape(by_input, (len(inputs), 2, len(readings))).transpose(1, 2, 0)
     return np.array(by_state).T, odd, even

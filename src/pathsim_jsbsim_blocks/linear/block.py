@@ -17,13 +17,13 @@ from .model import LinearModel
 
 @dataclass(eq=False, repr=False)
 class LinearModelBlock(Parametric, StateSpace):
-    """Linear model of an aircraft, with the ports of the aircraft block that it stands in for.
+    """Linear model of an aircraft, with the ports of the aircraft block that it replaces.
 
     .. math::
         \\dot{x} = A x + B \\, (u - u_0), \\qquad y = y_0 + C x + D \\, (u - u_0)
 
-    It flies continuously, with the diagram's solver. The model's latency is a first-order lag on
-    each input; the hold of the aircraft that it stands in for is not in it.
+    The diagram's solver integrates it. The model's latency is a first-order lag on each input;
+    the sample hold of the aircraft is not modelled.
 
     Parameters
     ----------
@@ -62,14 +62,14 @@ class LinearModelBlock(Parametric, StateSpace):
     def _change(self, values: dict[str, Any]) -> None:
         for name, value in values.items():
             if np.any(value != getattr(self, name)):
-                why = f"{name} cannot change once the model is made: build another block"
+                why = f"{name} cannot change after the block is built: build another"
                 refuse(name, value, why)
 
     @property
     def model_name(self) -> str:
         return self.model.aircraft
 
-    # methods, because functions made here could not be pickled, nor copied with the block
+    # methods, because local functions cannot be pickled or copied with the block
     def _slope(self, x: Any, u: Any, t: float) -> Any:
         return self.A @ x + self.B @ (u - self.model.u0)
 

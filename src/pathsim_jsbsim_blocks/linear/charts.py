@@ -1,6 +1,6 @@
-"""Figures of linear models: poles, steps beside the aircraft, root loci, Bode and Nyquist diagrams.
+"""Figures of linear models: poles, step responses, root loci, Bode and Nyquist diagrams.
 
-Each returns a matplotlib Figure; `plots.show` shows it.
+Each returns a matplotlib Figure; `plots.show` displays it.
 """
 
 from __future__ import annotations
@@ -34,28 +34,28 @@ def pole_map(*models: LinearModel, title: str = "") -> Figure:
     Parameters
     ----------
     *models : LinearModel
-        of one aircraft over a sweep, or of several
+        of one aircraft over a sweep, or of several aircraft
     title : str
         headline
 
     Raises
     ------
     ParameterError
-        for what is not a linear model
+        for an object that is not a LinearModel
     """
-    found = [_checked(model).modes() for model in models]
-    figure, axes = _pole_axes(np.array([mode.pole for modes in found for mode in modes]), title)
+    modes = [_checked(model).modes() for model in models]
+    figure, axes = _pole_axes(np.array([mode.pole for group in modes for mode in group]), title)
     for ax, size in axes:
-        for i, modes in enumerate(found):
-            points = np.array([mode.pole for mode in modes])
+        for i, group in enumerate(modes):
+            points = np.array([mode.pole for mode in group])
             ax.plot(points.real, points.imag, "x", color=f"C{i % 10}", clip_on=True)
-        _name_modes(ax, found[0] if found else [], size)
+        _name_modes(ax, modes[0] if modes else [], size)
     return figure
 
 
 def _checked(model: LinearModel) -> LinearModel:
     if not isinstance(model, LinearModel):
-        why = f"a LinearModel is needed, such as plane.linear_model(), not {reprlib.repr(model)}"
+        why = f"model must be a LinearModel (plane.linear_model()), not {reprlib.repr(model)}"
         refuse("model", model, why)
     return model
 
@@ -98,9 +98,9 @@ def step_response(
     duration: float = 10.0,
     title: str = "",
 ) -> Figure:
-    """Step response of a linear model and of the aircraft that it stands for.
+    """Step response of a linear model and of its aircraft.
 
-    Another aircraft is flown: ``plane`` is not touched.
+    A separate aircraft is flown, so ``plane`` is unchanged.
 
     Parameters
     ----------
@@ -120,10 +120,10 @@ def step_response(
     Raises
     ------
     ParameterError
-        for what is not a linear model; for a name that it does not have, naming the nearest; for a
-        duration or an amplitude that cannot be
+        for an object that is not a LinearModel; for an unknown name, naming the nearest; for an
+        invalid duration or amplitude
     FlightError
-        if the aircraft cannot be flown on
+        if the aircraft cannot continue to fly
     """
     part = _checked(model).select([input], [output])
     n = max(round(positive("duration", duration) / part.dt), 1)
@@ -147,14 +147,14 @@ def step_response(
 def root_locus(
     models: Sequence[LinearModel], values: ArrayLike, label: str = "", title: str = ""
 ) -> Figure:
-    """Poles of linear models over a trim sweep, coloured by what was swept.
+    """Poles of linear models over a trim sweep, coloured by the swept quantity.
 
     Parameters
     ----------
     models : list of LinearModel
         one for each point of the sweep
     values : array, shape (n,)
-        what was swept, such as the airspeeds
+        swept quantity, such as the airspeed
     label : str
         its name and unit, such as ``"airspeed [kt]"``
     title : str
@@ -163,19 +163,19 @@ def root_locus(
     Raises
     ------
     ParameterError
-        without models, for what is not a linear model, or for another number of values
+        without models, for an object that is not a LinearModel, or for another number of values
     """
     swept = np.asarray(finite(values=values)[0])
     if not len(models) or swept.shape != (len(models),):
-        wanted = f"one number for each of the {len(models)} models (at least one)"
-        refuse("values", values, f"values must have {wanted}, not the shape {swept.shape}")
-    found = [_checked(model).modes() for model in models]
-    points = [(m.pole, value) for modes, value in zip(found, swept, strict=True) for m in modes]
+        expected = f"one number for each of the {len(models)} models (at least one)"
+        refuse("values", values, f"values must have {expected}, not the shape {swept.shape}")
+    modes = [_checked(model).modes() for model in models]
+    points = [(m.pole, value) for group, value in zip(modes, swept, strict=True) for m in group]
     poles, colours = np.array([pole for pole, _ in points]), [value for _, value in points]
     figure, axes = _pole_axes(poles, title)
     for ax, size in axes:
         drawn = ax.scatter(poles.real, poles.imag, c=colours, s=18, cmap="viridis")
-        _name_modes(ax, found[0], size)
+        _name_modes(ax, modes[0], size)
     figure.colorbar(drawn, ax=[ax for ax, _ in axes], label=label)
     return figure
 
@@ -188,22 +188,22 @@ def bode(
 ) -> Figure:
     """Bode diagram: gain in dB and phase in deg over the frequency in rad/s, sampled as flown.
 
-    A loop's has its margins marked.
+    The margins of a loop are marked.
 
     Parameters
     ----------
     model : LinearModel or Margins
         of an aircraft, or a loop of `margins`
     output, input : str, optional
-        names, where the model has several
+        names, required if the model has several
     title : str
-        headline; default is what it shows, such as "c172p: elevator to theta"
+        headline; default names the signals, such as "c172p: elevator to theta"
 
     Raises
     ------
     ParameterError
-        for what is neither; for a name that the model does not have, naming the nearest; without a
-        name where there are several, naming them
+        for any other object; for an unknown name, naming the nearest; without a name if there are
+        several, naming them
     """
     figure, (gain, phase) = subplots(2, 1, sharex=True, figsize=(8, 6), layout="constrained")
     if isinstance(model, Margins):
@@ -215,7 +215,7 @@ def bode(
         label = f"{part.aircraft}: {u} to {y}"
         unit = f"dB re 1 {'/'.join(filter(None, (part.units[y], part.units[u])))}"
         rates = [mode.frequency for mode in part.modes() if mode.frequency > 1e-4]
-        # up to where the response of a sampled system ends
+        # the response of a sampled system ends at pi / T
         high = min(10 * max(rates, default=10.0), math.pi / part.dt)
         omega = np.geomspace(min([0.1 * high, *(0.1 * rate for rate in rates)]), high, 600)
         response = part.frequency_response(omega)[:, 0, 0]
@@ -267,15 +267,15 @@ def nyquist(loop: Margins, title: str = "") -> Figure:
     loop : Margins
         of `margins`; dashed at negative frequencies
     title : str
-        headline; default is what it shows
+        headline; default is the name of the loop
 
     Raises
     ------
     ParameterError
-        for what is not a loop of `margins`
+        for an object that is not a loop of `margins`
     """
     if not isinstance(loop, Margins):
-        refuse("loop", loop, f"a loop of margins() is needed, not {reprlib.repr(loop)}")
+        refuse("loop", loop, f"loop must be a result of margins(), not {reprlib.repr(loop)}")
     figure, ax = subplots(figsize=(7, 6), layout="constrained")
     x, y, alpha = loop.response.real, loop.response.imag, loop.disk_margin
     ax.plot(x, y, label="L")
@@ -283,8 +283,8 @@ def nyquist(loop: Margins, title: str = "") -> Figure:
     around = np.exp(1j * np.linspace(0.0, 2 * np.pi, 200))
     ax.plot(around.real, around.imag, ":", color="0.4", linewidth=0.9)
     if alpha < 2.0:
-        near, far = (2 - alpha) / (2 + alpha), (2 + alpha) / (2 - alpha)
-        disk = -(near + far) / 2 + (far - near) / 2 * around
+        low, high = (2 - alpha) / (2 + alpha), (2 + alpha) / (2 - alpha)
+        disk = -(low + high) / 2 + (high - low) / 2 * around
         ax.fill(disk.real, disk.imag, color="C1", alpha=0.3, label=f"disk margin {alpha:.2f}")
     ax.plot(-1.0, 0.0, "+", color="C3", markersize=12)
     ax.axhline(0.0, color="0.3", linewidth=0.8)

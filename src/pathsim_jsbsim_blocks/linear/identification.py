@@ -2,9 +2,9 @@
 
 The method is that of Juang and Pappa, "An Eigensystem Realization Algorithm for Modal Parameter
 Identification and Model Reduction", Journal of Guidance, Control, and Dynamics 8(5), 1985, with
-two additions. B and D are fitted to whole responses after A and C are known, and signals that only
-integrate others (heading, position) are kept out of the realisation and appended as integrators:
-several poles at the origin are not separable by numbers.
+two additions. B and D are fitted to complete responses once A and C are identified. Signals that
+only integrate others (heading, position) are left out of the realisation and appended as
+integrators, because repeated poles at the origin cannot be separated numerically.
 """
 
 from __future__ import annotations
@@ -17,30 +17,30 @@ from scipy.linalg import expm, logm, qr, schur
 
 from ..errors import LinearisationError
 
-# rows of blocks in the Hankel matrix: the outputs show nearly all states at once
+# block rows of the Hankel matrix: few, because the outputs contain nearly all states
 _ROWS = 3
 
-# relative rms error of the worst signal with which the search for the order ends
+# relative rms error of the worst signal at which the search for the order ends
 _GOOD = 3e-3
 
 _ORDERS = range(4, 21)
 
-# each further state is worth it if it lowers the error at least by this factor
+# factor by which each additional state must reduce the error
 _WORTH = 0.8
 
 # singular values below this fraction of the largest are noise
 _NOISE = 1e-7
 
-# a mode that decays to this within one interval is faster than the data can show
+# a mode that decays to this fraction within one interval cannot be resolved
 _FASTEST = 0.15
 
-# fraction of its peak from which on a signal reacts, and of its largest peak from which on it does
+# fraction of its peak at which a signal reacts, and of its maximum peak at which a response counts
 _REACTION, _RELEVANT = 1e-4, 1e-2
 
-# part of a signal's peak that the states may leave unexplained while the pulse acts
-_UNSEEN = 0.1
+# maximum unexplained fraction of a signal's peak while the pulse acts
+_UNEXPLAINED = 0.1
 
-# smallest independent part of a signal, relative to its rms, that makes it a further state
+# minimum independent part of a signal, relative to its rms, for it to become a state
 _INDEPENDENT = 0.05
 
 
@@ -52,9 +52,9 @@ class Realisation:
     B: np.ndarray  # shape (n, m)
     C: np.ndarray  # shape (p, n): a row for each signal
     D: np.ndarray  # shape (p, m)
-    signals: list[int]  # signal that is the state of that number; -1 for a state without one
+    signals: list[int]  # signal of each state; -1 without one
     latency: list[int]  # periods by which each input acts late
-    error: np.ndarray  # shape (p, m): rms over the signal's largest rms response to any input
+    error: np.ndarray  # shape (p, m): rms over the signal's maximum rms response to any input
 
 
 def realise(
@@ -62,10 +62,10 @@ def realise(
     T: float,
     width: int,
     *,
-    rigid: list[int],  # used as states, as far as they are independent; they show the latency
-    engines: list[int],  # used as states too
-    integrals: list[int],  # of others and those before them in the list; nothing depends on them
-    abrupt: list[int],  # may jump with an input; they do not decide on the order
+    rigid: list[int],  # states, if independent; they determine the latency
+    engines: list[int],  # also states
+    integrals: list[int],  # of other signals and of earlier integrals; ignorable
+    abrupt: list[int],  # may jump with an input; ignored in the choice of order
 ) -> Realisation:
     """Identify a linear model from the responses to one pulse on each input.
 
@@ -75,8 +75,8 @@ def realise(
     scale = np.sqrt((g**2).mean(axis=1)).max(axis=0)
     scale[scale == 0.0] = 1.0
     latency = _latency(g / scale, rigid)
-    kept = g.shape[1] - max(latency)
-    g = np.array([y[late : late + kept] for y, late in zip(g, latency, strict=True)])
+    length = g.shape[1] - max(latency)
+    g = np.array([y[late : late + length] for y, late in zip(g, latency, strict=True)])
     flown = _Pulses(g / scale, T, width)
     m, _, p = flown.g.shape
     core = [i for i in range(p) if i not in integrals and np.any(flown.g[:, :, i])]
@@ -91,7 +91,7 @@ def realise(
     change, signals = _coordinates(C, [*rigid, *engines, *integrals])
     inverse = np.linalg.inv(change)
     A, B, C = change @ A @ inverse, change @ B, C @ inverse
-    error = np.sqrt((flown.missed(A, B, C, flown.after) ** 2).mean(axis=0))
+    error = np.sqrt((flown.residuals(A, B, C, flown.after) ** 2).mean(axis=0))
     # back to the signals' own units
     size = np.array([scale[i] if i >= 0 else 1.0 for i in signals])
     return Realisation(
@@ -115,7 +115,7 @@ class _Pulses:
 
     @property
     def after(self) -> np.ndarray:
-        """Sample instants after the pulse; what it feeds through may come a sample late."""
+        """Sample instants after the pulse; its feedthrough may come a sample late."""
         return np.arange(2 * self.width, self.g.shape[1], self.width)
 
     def of(self, signals: list[int]) -> _Pulses:
@@ -138,15 +138,15 @@ class _Pulses:
             x[i] = state
         return x
 
-    def missed(
+    def residuals(
         self, A: np.ndarray, B: np.ndarray, C: np.ndarray, instants: np.ndarray
     ) -> np.ndarray:
-        """What the states do not explain at sample instants: shape (instants, p, m)."""
+        """Responses minus those of the states at sample instants, shape (instants, p, m)."""
         return self.g[:, instants].transpose(1, 2, 0) - C @ self.states(A, instants) @ B
 
 
 def _latency(g: np.ndarray, rigid: list[int]) -> list[int]:
-    """Whole periods by which the motion answers to each input later than by one sample."""
+    """Whole periods of delay of the motion beyond one sample, for each input."""
     late = []
     size = np.abs(g[:, :, rigid])
     for y in size:
@@ -160,14 +160,14 @@ def _search(flown: _Pulses, judged: list[int]) -> tuple[np.ndarray, np.ndarray, 
     """A, B and C of the lowest adequate order."""
     g, after = flown.g, flown.after
     m, _, p = g.shape
-    # the first interval after the pulse may still show what it feeds through
+    # the first interval after the pulse may still contain feedthrough
     h = g[:, 2 * flown.width :: flown.width]
     columns = h.shape[1] - _ROWS
     hankel = np.vstack(
         [np.hstack([h[j, i : columns + i].T for j in range(m)]) for i in range(_ROWS + 1)]
     )
     U, S, Vt = np.linalg.svd(hankel[:-p], full_matrices=False)
-    wanted = g[:, after].reshape(m, -1).T
+    target = g[:, after].reshape(m, -1).T
     best: tuple[float, np.ndarray, np.ndarray, np.ndarray] | None = None
     for order in _ORDERS:
         if order > len(S) or S[order - 1] < _NOISE * S[0]:
@@ -178,9 +178,9 @@ def _search(flown: _Pulses, judged: list[int]) -> tuple[np.ndarray, np.ndarray, 
             continue
         A = np.real(logm(discrete)) / (flown.width * flown.T)
         observed = (C @ flown.states(A, after)).reshape(-1, len(A))
-        B = np.linalg.lstsq(observed, wanted, rcond=None)[0]
-        missed = (wanted - observed @ B).T.reshape(m, len(after), p)
-        error = float(np.sqrt((missed**2).mean(axis=1))[:, judged].max(initial=0.0))
+        B = np.linalg.lstsq(observed, target, rcond=None)[0]
+        residuals = (target - observed @ B).T.reshape(m, len(after), p)
+        error = float(np.sqrt((residuals**2).mean(axis=1))[:, judged].max(initial=0.0))
         worth = best is None or error < _WORTH ** (len(A) - len(best[1])) * best[0]
         if worth or error < _GOOD:
             best = error, A, B, C
@@ -197,17 +197,17 @@ def _search(flown: _Pulses, judged: list[int]) -> tuple[np.ndarray, np.ndarray, 
 def _feedthrough(
     flown: _Pulses, A: np.ndarray, B: np.ndarray, C: np.ndarray, jumping: np.ndarray
 ) -> np.ndarray:
-    """D from what the states leave unexplained until the search begins.
+    """D from the residuals up to the instants that the search uses.
 
-    Signals that jump have their mean over the pulse. Others have motion that has decayed by then:
-    it follows the input at once, with the same integral.
+    For signals that jump, D is the mean residual over the pulse. In the others it stands for
+    motion too fast for the search, with the same integral.
     """
-    missed = flown.missed(A, B, C, np.arange(1, 2 * flown.width + 1))
+    residuals = flown.residuals(A, B, C, np.arange(1, 2 * flown.width + 1))
     peak = np.abs(flown.g).max(axis=1).T
-    fast = np.abs(missed).max(axis=0) > _UNSEEN * peak
+    fast = np.abs(residuals).max(axis=0) > _UNEXPLAINED * peak
     fast &= ~jumping[:, None] & (peak > _RELEVANT * peak.max(axis=1, keepdims=True))
-    D = np.where(jumping[:, None], missed[: flown.width].mean(axis=0), 0.0)
-    return D + np.where(fast, missed.sum(axis=0) / flown.width, 0.0)
+    D = np.where(jumping[:, None], residuals[: flown.width].mean(axis=0), 0.0)
+    return D + np.where(fast, residuals.sum(axis=0) / flown.width, 0.0)
 
 
 def _slow_part(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -216,45 +216,45 @@ def _slow_part(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     def slow(real: float, imaginary: float) -> bool:
         return np.hypot(real, imaginary) > _FASTEST and not (real < 0.0 and imaginary == 0.0)
 
-    R, Z, kept = schur(A, sort=slow)
-    return R[:kept, :kept], C @ Z[:, :kept]
+    R, Z, order = schur(A, sort=slow)
+    return R[:order, :order], C @ Z[:, :order]
 
 
-def respond(found: Any, u: np.ndarray, T: float) -> np.ndarray:
+def respond(system: Any, u: np.ndarray, T: float) -> np.ndarray:
     """Responses of a realisation or model to each input alone, held over each period of T s.
 
     ``u`` has the shape (n, m), the responses at the sample instants (m, n + 1, p).
     """
-    step, held = _held(found.A, T)
-    into = held @ found.B
+    step, held = _held(system.A, T)
+    into = held @ system.B
     late = np.zeros_like(u)
-    for j, periods in enumerate(map(int, found.latency)):
+    for j, periods in enumerate(map(int, system.latency)):
         late[periods:, j] = u[: max(len(u) - periods, 0), j]
-    x = np.zeros((len(u) + 1, *found.B.shape))
+    x = np.zeros((len(u) + 1, *system.B.shape))
     for k, now in enumerate(late):
         x[k + 1] = step @ x[k] + into * now
-    y = found.C @ x
-    y[1:] += found.D * late[:, None, :]
+    y = system.C @ x
+    y[1:] += system.D * late[:, None, :]
     return y.transpose(2, 0, 1)
 
 
 def _held(A: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray]:
     """Transition over one period, and the effect of a constant input over it."""
     n = len(A)
-    both = expm(np.block([[A, np.eye(n)], [np.zeros((n, 2 * n))]]) * T)
-    return both[:n, :n], both[:n, n:]
+    step = expm(np.block([[A, np.eye(n)], [np.zeros((n, 2 * n))]]) * T)
+    return step[:n, :n], step[:n, n:]
 
 
 def _append_integral(
     A: np.ndarray, B: np.ndarray, rows: dict[int, np.ndarray], signal: int, flown: _Pulses
 ) -> tuple[np.ndarray, np.ndarray, dict[int, np.ndarray]]:
-    """The model with a signal as one more state, an integral of those before it."""
+    """The model with a signal as an additional state, an integral of the previous ones."""
     n, m = B.shape
     integrator = np.block([[A, np.zeros((n, n))], [np.eye(n), np.zeros((n, n))]])
     x = flown.states(integrator, flown.after)[:, n:, :n] @ B
     observed = x.transpose(2, 0, 1).reshape(-1, n)
-    wanted = flown.g[:, flown.after, signal].reshape(-1)
-    row = np.linalg.lstsq(observed, wanted, rcond=1e-9)[0]
+    target = flown.g[:, flown.after, signal].reshape(-1)
+    row = np.linalg.lstsq(observed, target, rcond=1e-9)[0]
     A = np.block([[A, np.zeros((n, 1))], [row[None], np.zeros((1, 1))]])
     B = np.vstack([B, np.zeros((1, m))])
     rows = {i: np.append(r, 0.0) for i, r in rows.items()}
@@ -263,7 +263,7 @@ def _append_integral(
 
 
 def _coordinates(C: np.ndarray, states: list[int]) -> tuple[np.ndarray, list[int]]:
-    """Rows of C that make good states, completed by orthogonal ones; and their signals."""
+    """Independent rows of C as states, completed by orthogonal ones; and their signals."""
     n = C.shape[1]
     rows, signals = np.zeros((0, n)), []
     for i in states:

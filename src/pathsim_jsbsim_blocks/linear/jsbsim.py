@@ -22,7 +22,7 @@ from .model import LinearModel, find
 def linear_model_of(
     aircraft: str, condition: TrimCondition | None, choices: tuple[Any, ...], **options: Any
 ) -> LinearModel:
-    """Linear model of a model by name, as of `flight.linear_model`."""
+    """Linear model of an aircraft by name; see `flight.linear_model`."""
     condition = TrimCondition() if condition is None else condition
     return model_about_trim(Aircraft(aircraft, condition=condition, **options), *choices)
 
@@ -34,7 +34,7 @@ def model_about_trim(
     outputs: Sequence[str] | None,
     amplitude: Mapping[str, float] | None,
 ) -> LinearModel:
-    """Linear model about the trim of a block, as of `FlightBlock.linear_model`."""
+    """Linear model about the trim of a block; see `FlightBlock.linear_model`."""
     one_of("method", method, ["flown", "algebraic"])
     mode = flown.trim.condition.mode
     if mode in ("none", "ground", "pull-up"):
@@ -44,7 +44,7 @@ def model_about_trim(
 
 
 def response(flown: Flyable, input: str, increments: Sequence[float], output: str) -> np.ndarray:
-    """An output over increments on an input, as of `FlightBlock.response`."""
+    """Response of an output to increments on an input; see `FlightBlock.response`."""
     plane = twin(flown)
     ports, channels = plane.channels()
     (i,) = find("input", [c.name for c in ports], [input])

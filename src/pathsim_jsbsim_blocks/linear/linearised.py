@@ -1,4 +1,4 @@
-"""What linear models are made from: an aircraft block at its trim, its inputs and outputs."""
+"""An aircraft block at its trim, with the inputs and outputs of its linear model."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from .model import LinearModel, find
 def no_model(
     plane: Flyable, reason: str, why: str, name: str = "", servos: Mapping[str, float] | None = None
 ) -> LinearisationError:
-    """The error of an aircraft without a linear model."""
+    """Error of an aircraft without a linear model."""
     aircraft = plane.airframe.aircraft
     why = f"no linear model of {aircraft!r}: {why}"
     return LinearisationError(why, aircraft=aircraft, reason=reason, name=name, servos=servos)
 
 
 class Linearised:
-    """An aircraft block at its trim, with the inputs to move and the outputs to show."""
+    """An aircraft block at its trim, with the inputs to move and the outputs to record."""
 
     def __init__(self, plane: Flyable, inputs: Sequence[str] | None, outputs: Sequence[str] | None):
         ports, channels = plane.channels()
-        wanted = find("inputs", [c.name for c in ports], inputs)
-        for port in (ports[i] for i in wanted if inputs is not None):
+        indices = find("inputs", [c.name for c in ports], inputs)
+        for port in (ports[i] for i in indices if inputs is not None):
             if not port.properties:  # the throttle of a glider
                 raise no_model(plane, "no response", f"it has no {port.name}", port.name)
         self.plane = plane
-        # numbers of the inputs
-        self.moved = [i for i in wanted if ports[i].properties]
+        # indices of the inputs with an effect
+        self.moved = [i for i in indices if ports[i].properties]
         self.inputs = [ports[i] for i in self.moved]
         chosen = find("outputs", [c.name for c in channels], outputs)
         self.outputs = [channels[i] for i in chosen]

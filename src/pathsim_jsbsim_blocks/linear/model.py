@@ -47,10 +47,10 @@ _ARRAYS = {
 }
 _NAMES = ("states", "inputs", "outputs")
 
-# arrays with NaN where a response is too small to judge
-_UNKNOWN = ("kinks", "fit")
+# arrays that are NaN for responses too small to judge
+_PARTIAL = ("kinks", "fit")
 
-# what a saved model says of its kind
+# first entry of a saved model
 _FORMAT = "pathsim-jsbsim-blocks linear model 1"
 
 
@@ -62,9 +62,9 @@ class LinearModel:
         \\dot{x} &= A \\, (x - x_0) + B \\, (u(t - \\tau) - u_0) \\\\
         y &= y_0 + C \\, (x - x_0) + D \\, (u(t - \\tau) - u_0)
 
-    with the latency tau, ``latency`` sample periods, which JSBSim needs to compute its way from
-    the commands to the motion. The block holds its inputs over each period besides: in a loop that
-    is designed as a continuous one both together are a delay of ``delay``.
+    The latency tau, ``latency`` sample periods, comes from JSBSim's order of computation between
+    command and motion. The block also holds its inputs over each period; in a continuous design
+    both together are the delay ``delay``.
 
     Parameters
     ----------
@@ -77,25 +77,25 @@ class LinearModel:
     A, B, C, D : array
         shapes (n, n), (n, m), (p, n), (p, m); per s, in the units of the names
     states, inputs, outputs : list of str
-        names of the n states, m inputs and p outputs. States are named like the outputs that they
-        are; those that no output shows are x1, x2, ...
+        names of the n states, m inputs and p outputs. A state that is also an output has the same
+        name in both; states that appear in no output are x1, x2, ...
     units : dict
-        from the name of a state, input or output to its unit; "" without one
+        unit of each state, input and output, by name; "" without one
     x0, u0, y0 : array
         the trim, in these units
     dt : float
         sample period of the block in s
     latency : array of int, shape (m,)
-        periods by which each input acts late; flown, a throttle's is that of a step of the
-        doublet's height
+        periods by which each input acts late; with the flown method, a throttle's latency is that
+        of a step of the doublet's height
     kinks : array, shape (p, m)
-        even part over odd part of each response, ``|y+ + y- - 2 y0| / |y+ - y-|``, the larger of
-        those after pulse and doublet: 0 for a linear aircraft; NaN where an output hardly responds
+        even part over odd part of each response, ``|y+ + y- - 2 y0| / |y+ - y-|``, the maximum
+        after pulse and doublet: 0 for a linear aircraft; NaN if an output hardly responds
     fit : array, shape (p, m)
-        rms error against the responses that were flown, the largest of that after the pulse, over
-        the output's largest rms response to any input, and those after doublets that begin upwards
-        and downwards, over the response itself where it is not small; NaN for the algebraic method,
-        which flies none
+        maximum of three relative rms errors against the flown responses: after the pulse, over
+        the output's maximum rms response to any input, and after doublets that begin upwards and
+        downwards, over the response itself unless it is small; NaN for the algebraic method,
+        which has no flights
 
     Raises
     ------
@@ -135,25 +135,25 @@ class LinearModel:
                 value = np.array(getattr(self, name), dtype=float)
             except (TypeError, ValueError, OverflowError) as error:
                 refuse(name, getattr(self, name), f"{name} must be an array of numbers: {error}")
-            wanted = tuple(sizes[side] for side in shape)
+            expected = tuple(sizes[side] for side in shape)
             # numpy has no shape (0, m) for an empty list
-            if value.shape != wanted and value.size == np.prod(wanted) == 0:
-                value = value.reshape(wanted)
-            if value.shape != wanted:
-                there = " and ".join(f"{sizes[side]} {side}" for side in dict.fromkeys(shape))
-                refuse(name, value, f"{name} has the shape {value.shape}, but there are {there}")
-            known = value[~np.isnan(value)] if name in _UNKNOWN else value
-            if not np.all(np.isfinite(known)):
+            if value.shape != expected and value.size == np.prod(expected) == 0:
+                value = value.reshape(expected)
+            if value.shape != expected:
+                counts = " and ".join(f"{sizes[side]} {side}" for side in dict.fromkeys(shape))
+                refuse(name, value, f"{name} has the shape {value.shape}, but there are {counts}")
+            entries = value[~np.isnan(value)] if name in _PARTIAL else value
+            if not np.all(np.isfinite(entries)):
                 refuse(name, value, f"{name} must be finite")
             value.setflags(write=False)
             object.__setattr__(self, name, value)
         late = self.latency
         if np.any((late < 0) | (late != np.round(late))):
-            refuse("latency", late, f"latency is in whole periods, not {late.tolist()}")
+            refuse("latency", late, f"latency must be in whole periods, not {late.tolist()}")
 
     @property
     def delay(self) -> np.ndarray:
-        """Delay of each input in s in a continuous loop: the latency and half a period of hold."""
+        """Delay of each input in s in a continuous loop: latency plus half a period of hold."""
         return (self.latency + 0.5) * self.dt
 
     def __repr__(self) -> str:
@@ -165,27 +165,27 @@ class LinearModel:
     def select(
         self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
     ) -> LinearModel:
-        """The model with some of its inputs and outputs, by name and in that order.
+        """The model with the named inputs and outputs only, in that order.
 
         Raises
         ------
         ParameterError
             for a name that the model does not have, naming the nearest
         """
-        kept = {
+        indices = {
             "states": range(len(self.states)),
             "inputs": find("inputs", self.inputs, inputs),
             "outputs": find("outputs", self.outputs, outputs),
         }
         parts: dict[str, Any] = {
-            name: getattr(self, name)[np.ix_(*(kept[side] for side in shape))]
+            name: getattr(self, name)[np.ix_(*(indices[side] for side in shape))]
             for name, shape in _ARRAYS.items()
         }
-        parts |= {side: [getattr(self, side)[i] for i in kept[side]] for side in _NAMES}
+        parts |= {side: [getattr(self, side)[i] for i in indices[side]] for side in _NAMES}
         return replace(self, **parts)
 
     def modes(self) -> list[Mode]:
-        """Natural modes, the fastest first, named by the states that take part."""
+        """Natural modes, the fastest first, named by the participating states."""
         return natural_modes(self.A, self.states)
 
     def simulate(self, u: Any) -> np.ndarray:
@@ -204,30 +204,29 @@ class LinearModel:
         Raises
         ------
         ParameterError
-            for inputs of another shape, and for what is not a finite number
+            for inputs of another shape, or values that are not finite
         """
-        given = u
         try:
-            u = np.asarray(u, dtype=float)
-            usable = u.ndim == 2 and u.shape[1] == len(self.inputs) and np.isfinite(u).all()
+            inputs = np.asarray(u, dtype=float)
+            valid = inputs.shape[1:] == (len(self.inputs),) and np.isfinite(inputs).all()
         except (TypeError, ValueError):
-            usable = False
-        if not usable:
-            shape = f" of shape {given.shape}" if isinstance(given, np.ndarray) else ""
-            wanted = f"a row for each period of {self.dt:.6g} s and {len(self.inputs)} columns"
-            wanted += f" ({', '.join(self.inputs)}) of finite numbers"
-            refuse("u", given, f"u must have {wanted}, not {reprlib.repr(given)}{shape}")
-        return self.y0 + respond(self, u - self.u0, self.dt).sum(axis=0)
+            valid = False
+        if not valid:
+            shape = f" of shape {u.shape}" if isinstance(u, np.ndarray) else ""
+            expected = f"a row for each period of {self.dt:.6g} s and {len(self.inputs)} columns"
+            expected += f" ({', '.join(self.inputs)}) of finite numbers"
+            refuse("u", u, f"u must have {expected}, not {reprlib.repr(u)}{shape}")
+        return self.y0 + respond(self, inputs - self.u0, self.dt).sum(axis=0)
 
     def frequency_response(self, omega: Any) -> np.ndarray:
-        """Frequency response of the sampled aircraft: inputs held over each period, and late.
+        """Frequency response of the sampled aircraft, with its hold and latency.
 
         .. math::
             z^{-k} \\left(C (z I - \\Phi)^{-1} \\Gamma + D\\right), \\quad z = e^{j \\omega T}
 
-        with the latency k and the matrices Phi and Gamma over one period T: hold, sampling and
-        latency are exact, up to pi / T, where the response of a sampled system ends. Well below
-        that it is the continuous one with a delay of `delay` s.
+        k is the latency; Phi and Gamma are the matrices over one period T. Hold, sampling and
+        latency are exact, up to pi / T, the limit of a sampled system. Well below that limit the
+        response is the continuous one with a delay of `delay` s.
 
         Parameters
         ----------
@@ -241,35 +240,35 @@ class LinearModel:
         Raises
         ------
         ParameterError
-            if omega is not a list of numbers, or a pole lies at one of them (0 for an integrator)
+            if omega is not a list of numbers, or has a pole (0 for an integrator)
         """
         n, m = self.B.shape
-        both = np.zeros((n + m, n + m))
-        both[:n] = np.hstack([self.A, self.B])
-        both = expm(both * self.dt)
+        augmented = np.zeros((n + m, n + m))
+        augmented[:n] = np.hstack([self.A, self.B])
+        step = expm(augmented * self.dt)
         z = np.exp(1j * self.dt * np.asarray(omega, dtype=float))
         try:
             z = z[:, None, None]
-            states = np.linalg.solve(z * np.eye(n) - both[:n, :n], both[:n, n:])
+            states = np.linalg.solve(z * np.eye(n) - step[:n, :n], step[:n, n:])
         except (IndexError, np.linalg.LinAlgError):
-            must_be("omega", omega, "a list of frequencies at which no pole lies")
+            must_be("omega", omega, "a list of frequencies, none of them a pole")
         return (self.C @ states + self.D) * z**-self.latency
 
     def with_lags(self, tau: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """A, B, C, D with a first-order lag of ``tau`` s on each input, in place of a delay.
 
         The lags are the last states; an input without one (``tau`` 0) acts directly. With lags on
-        all inputs there is no direct feedthrough, so that the model closes no algebraic loop.
+        all inputs the model has no direct feedthrough and cannot close an algebraic loop.
 
         Raises
         ------
         ParameterError
-            if tau is not one number from 0 on, or one for each input
+            if tau is not one number of at least 0, or one for each input
         """
-        m, given = len(self.inputs), np.asarray(tau, dtype=float)
-        if given.shape not in ((), (m,)) or not np.all((given >= 0.0) & np.isfinite(given)):
-            must_be("tau", tau, f"one time from 0 s on, or {m} of them")
-        tau = np.broadcast_to(given, m)
+        m, lags = len(self.inputs), np.asarray(tau, dtype=float)
+        if lags.shape not in ((), (m,)) or not np.all((lags >= 0.0) & np.isfinite(lags)):
+            must_be("tau", tau, f"a time of at least 0 s, or {m} of them, one for each input")
+        tau = np.broadcast_to(lags, m)
         lagging = np.flatnonzero(tau)
         n, k = len(self.states), len(lagging)
         rate = np.diag(1.0 / tau[lagging])
@@ -293,14 +292,14 @@ class LinearModel:
         Parameters
         ----------
         pade : int
-            order of the approximation; 0 for none, and for the states of the aircraft alone
+            order of the approximation; 0 for the states of the aircraft alone, without delay
 
         Raises
         ------
         MissingExtraError
             if python-control (extra ``analysis``) is not installed
         ParameterError
-            if the order is not a whole number from 0 on
+            if the order is not a whole number of at least 0
         """
         control = required("control", "analysis", name="python-control")
         order = integer("pade", pade, low=0)
@@ -353,25 +352,25 @@ class LinearModel:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> LinearModel:
-        """Read a model that `save` has written.
+        """Read a model written by `save`.
 
         Raises
         ------
         FileError
             if the file cannot be read
         ParameterError
-            if it holds no linear model
+            if it is not a saved linear model
         """
         file = as_path("path", path)
         try:
             data = json.loads(file.read_text(encoding="utf-8"))
             if not isinstance(data, dict) or data.pop("format", None) != _FORMAT:
-                raise ValueError("it does not say that it is one")
+                raise ValueError(f"its format is not {_FORMAT!r}")
             return cls(**data)  # an array of null is NaN
         except OSError as error:
             raise FileError("read", file, error) from None
         except (ValueError, TypeError, RecursionError) as error:
-            refuse("path", str(file), f"{str(file)!r} holds no linear model: {error}")
+            refuse("path", str(file), f"{str(file)!r} is not a saved linear model: {error}")
 
 
 def _to_lists(array: np.ndarray) -> Any:
@@ -381,15 +380,15 @@ def _to_lists(array: np.ndarray) -> Any:
     return listed.tolist()
 
 
-def find(parameter: str, known: Sequence[str], wanted: Sequence[str] | None) -> list[int]:
-    """Numbers of the names wanted, known ones, each once; all for None."""
-    if wanted is None:
-        return list(range(len(known)))
-    wanted = name_list(parameter, wanted)
-    for i, name in enumerate(wanted):
-        if name not in known:
-            close = did_you_mean(nearest(str(name), known)) or f" among {', '.join(known)}"
-            refuse(parameter, wanted, f"{parameter}[{i}]: there is no {name!r}{close}")
-    if len(set(wanted)) < len(wanted):
-        refuse(parameter, wanted, f"{parameter} lists a name twice: {', '.join(wanted)}")
-    return [list(known).index(name) for name in wanted]
+def find(parameter: str, names: Sequence[str], selection: Sequence[str] | None) -> list[int]:
+    """Indices of the selected names, each at most once; all for None."""
+    if selection is None:
+        return list(range(len(names)))
+    selection = name_list(parameter, selection)
+    for i, name in enumerate(selection):
+        if name not in names:
+            close = did_you_mean(nearest(str(name), names)) or f" among {', '.join(names)}"
+            refuse(parameter, selection, f"{parameter}[{i}]: there is no {name!r}{close}")
+    if len(set(selection)) < len(selection):
+        refuse(parameter, selection, f"{parameter} lists a name twice: {', '.join(selection)}")
+    return [list(names).index(name) for name in selection]

@@ -1,4 +1,4 @@
-"""Natural modes of a linear model, named by the states that take part."""
+"""Natural modes of a linear model, named by the participating states."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _LATERAL = ("beta", "p", "r", "phi")
 # modes of states that only integrate others
 _INTEGRALS = {"h": "altitude", "psi": "heading", "lat": "position", "lon": "position"}
 
-# 1/s; the density of the air changes slowly with the altitude
+# maximum rate of these, 1/s: the density gradient moves them slightly off the origin
 _SLOW = 5e-3
 
-# 1/s; a faster motion is not a spiral
+# maximum rate of a spiral, 1/s
 _SPIRAL = 1.0
 
-# smallest share of a mode's own states, and of the sideslip in the Dutch roll
-_SHARE, _SLIP = 0.5, 0.2
+# minimum participation of a mode's own states, and of the sideslip in the Dutch roll
+_DOMINANT, _SLIP = 0.5, 0.2
 
 
 @dataclass(frozen=True)
@@ -34,11 +34,11 @@ class Mode:
     name : str
         "short period" (also of each of two real poles), "phugoid", "third oscillatory", "Dutch
         roll", "roll", "spiral", "lateral phugoid", "engine", "altitude", "heading", "position",
-        or "unnamed" where none of these fits
+        or "unnamed" if none of these fits
     pole : complex
-        1/s; of a pair the one with the positive imaginary part
+        1/s; for a pair, the pole with the positive imaginary part
     participation : dict[str, float]
-        share of each state in the mode, 1 in sum, the largest first
+        participation factor of each state, the largest first; their sum is 1
     """
 
     name: str
@@ -52,17 +52,17 @@ class Mode:
 
     @property
     def frequency(self) -> float:
-        """Natural frequency in rad/s; of a real pole its distance from 0."""
+        """Natural frequency in rad/s; the magnitude of a real pole."""
         return abs(self.pole)
 
     @property
     def damping(self) -> float:
-        """Damping ratio; 1 or -1 of a real pole, NaN at 0."""
+        """Damping ratio; 1 or -1 for a real pole, NaN at 0."""
         return -self.pole.real / abs(self.pole) if self.pole else math.nan
 
     @property
     def period(self) -> float:
-        """Period in s; NaN of a real pole."""
+        """Period in s; NaN for a real pole."""
         return 2 * math.pi / self.pole.imag if self.oscillatory else math.nan
 
     @property
@@ -87,40 +87,40 @@ class Mode:
         if self.pole.real:
             time = math.log(2) * abs(self.time_constant)
             parts.append(f"{'halves' if self.pole.real < 0.0 else 'doubles'} in {time:.3g} s")
-        states = (name for name, share in self.participation.items() if share > 0.1)
+        states = (name for name, factor in self.participation.items() if factor > 0.1)
         return f"{self.name}: {', '.join(parts)} ({', '.join(states)})"
 
 
 def natural_modes(A: np.ndarray, states: Sequence[str]) -> list[Mode]:
     """Natural modes of a linear system, the fastest first.
 
-    The share of a state in a mode is its participation factor, the product of its entries in the
-    right and the left eigenvector: it does not depend on units. States that only integrate others
-    (heading, position) are taken out before; several poles at 0 have no eigenvectors to share.
+    The participation factor of a state, the product of its entries in the right and the left
+    eigenvector, is independent of units. States that only integrate others (heading, position)
+    are removed first, because repeated poles at 0 lack independent eigenvectors.
 
     Perez-Arriaga, Verghese, Schweppe, "Selective Modal Analysis with Applications to Electric
     Power Systems", IEEE Transactions on Power Apparatus and Systems PAS-101, 1982.
     """
-    kept = list(range(len(states)))
-    apart = []
-    while alone := [i for i in kept if not np.any(np.delete(A[kept, i], kept.index(i)))]:
-        apart += alone
-        kept = [i for i in kept if i not in alone]
-    found = [Mode("", complex(A[i, i]), {states[i]: 1.0}) for i in apart]
-    if kept:
-        poles, left, right = eig(A[np.ix_(kept, kept)], left=True, right=True)
-        shares = np.abs(left.conj() * right)
-        shares /= shares.sum(axis=0)
-        for pole, share in zip(poles, shares.T, strict=True):
+    core = list(range(len(states)))
+    integrals = []
+    while outer := [i for i in core if not np.any(np.delete(A[core, i], core.index(i)))]:
+        integrals += outer
+        core = [i for i in core if i not in outer]
+    modes = [Mode("", complex(A[i, i]), {states[i]: 1.0}) for i in integrals]
+    if core:
+        poles, left, right = eig(A[np.ix_(core, core)], left=True, right=True)
+        factors = np.abs(left.conj() * right)
+        factors /= factors.sum(axis=0)
+        for pole, column in zip(poles, factors.T, strict=True):
             if pole.imag >= 0.0:
-                order = np.argsort(-share)
-                participation = {states[kept[i]]: float(share[i]) for i in order}
-                found.append(Mode("", complex(pole), participation))
-    named = [replace(mode, name=name) for name, mode in zip(_names(found), found, strict=True)]
+                order = np.argsort(-column)
+                participation = {states[core[i]]: float(column[i]) for i in order}
+                modes.append(Mode("", complex(pole), participation))
+    named = [replace(mode, name=name) for name, mode in zip(_names(modes), modes, strict=True)]
     return sorted(named, key=lambda mode: -mode.frequency)
 
 
-def _share(mode: Mode, *states: str) -> float:
+def _weight(mode: Mode, *states: str) -> float:
     return sum(mode.participation.get(state, 0.0) for state in states)
 
 
@@ -136,46 +136,46 @@ def _names(modes: list[Mode]) -> list[str]:
         first = next(iter(mode.participation))
         if not mode.oscillatory and mode.frequency < _SLOW and first in _INTEGRALS:
             name(i, _INTEGRALS[first])
-        elif sum(s for state, s in mode.participation.items() if "[" in state) > _SHARE:
+        elif sum(s for state, s in mode.participation.items() if "[" in state) > _DOMINANT:
             name(i, "engine")
 
     def family(*states: str, oscillatory: bool) -> list[int]:
-        """Modes with most of their share in some states, the fastest first."""
+        """Modes dominated by some states, the fastest first."""
         kind = (i for i in free if modes[i].oscillatory == oscillatory)
-        members = (i for i in kind if _share(modes[i], *states) > _SHARE)
+        members = (i for i in kind if _weight(modes[i], *states) > _DOMINANT)
         return sorted(members, key=lambda i: -modes[i].frequency)
 
     oscillations = family(*_LATERAL, oscillatory=True)
     if oscillations:
-        dutch = max(oscillations, key=lambda i: _share(modes[i], "beta", "r"))
-        # merged with the roll it is another motion
-        if _share(modes[dutch], "beta", "r") > _SHARE and _share(modes[dutch], "beta") > _SLIP:
+        dutch = max(oscillations, key=lambda i: _weight(modes[i], "beta", "r"))
+        # a pair that has merged with the roll is not a Dutch roll
+        if _weight(modes[dutch], "beta", "r") > _DOMINANT and _weight(modes[dutch], "beta") > _SLIP:
             name(dutch, "Dutch roll")
     for i in family("p", "phi", oscillatory=True):
         name(i, "lateral phugoid")
     lateral = family(*_LATERAL, oscillatory=False)
-    rolls = [i for i in lateral if _share(modes[i], "p") > _SHARE]
+    rolls = [i for i in lateral if _weight(modes[i], "p") > _DOMINANT]
     if rolls:
         name(rolls[0], "roll")
-    slow = (i for i in lateral if i in free and modes[i].frequency < _SPIRAL)
-    spirals = [i for i in slow if _share(modes[i], "phi") > _share(modes[i], "p")]
+    candidates = (i for i in lateral if i in free and modes[i].frequency < _SPIRAL)
+    spirals = [i for i in candidates if _weight(modes[i], "phi") > _weight(modes[i], "p")]
     if spirals:
         name(spirals[-1], "spiral")
 
     oscillations = family(*_LONGITUDINAL, oscillatory=True)
     real = family(*_LONGITUDINAL, oscillatory=False)
-    fast_real = [i for i in real if _share(modes[i], "alpha", "q") > _SHARE]
-    fast = [i for i in oscillations if _share(modes[i], "alpha", "q") > _SHARE]
+    fast_real = [i for i in real if _weight(modes[i], "alpha", "q") > _DOMINANT]
+    fast = [i for i in oscillations if _weight(modes[i], "alpha", "q") > _DOMINANT]
     if fast:
         name(fast[0], "short period")
     elif len(fast_real) >= 2:
         for i in fast_real[:2]:
             name(i, "short period")
     rest = [i for i in oscillations if i in free]
-    slowly = max(rest, key=lambda i: _share(modes[i], "vt", "theta"), default=None)
-    if slowly is not None and "short period" in names:
-        name(slowly, "phugoid")
-    elif slowly is not None and len(real) >= 2:
+    slow_pair = max(rest, key=lambda i: _weight(modes[i], "vt", "theta"), default=None)
+    if slow_pair is not None and "short period" in names:
+        name(slow_pair, "phugoid")
+    elif slow_pair is not None and len(real) >= 2:
         # a root of the short period and one of the phugoid have merged
-        name(slowly, "third oscillatory")
+        name(slow_pair, "third oscillatory")
     return names

@@ -15,7 +15,7 @@ from .model import LinearModel
 CLASSES = ("I", "II-L", "II-C", "III", "IV")
 CATEGORIES = ("A", "B", "C")
 
-# for each level from 1 on: (lowest, highest) value
+# (minimum, maximum) for each level from 1
 Limits = tuple[tuple[float, float], ...]
 _INF = math.inf
 
@@ -43,12 +43,12 @@ _SPIRAL_DOUBLE = {"A": (12.0, 8.0, 4.0), "B": (20.0, 8.0, 4.0), "C": (12.0, 8.0,
 
 @dataclass(frozen=True)
 class Quality:
-    """One requirement, and how the aircraft does.
+    """One requirement, with the value and level of the aircraft.
 
     Attributes
     ----------
     name : str
-        what is required
+        required quantity
     paragraph : str
         of MIL-F-8785C
     value : float
@@ -72,7 +72,7 @@ def flying_qualities(
     """Levels of flying qualities of a model's modes.
 
     A short period of two real poles has the damping ratio and frequency of their sum and product.
-    Requirements on modes that the aircraft does not have are left out, and so are the minimum
+    Requirements on modes that the aircraft lacks are left out, and so are the minimum
     frequency and n/alpha of figures 1 to 3 and the increment of Dutch roll damping for a large
     ratio of bank to sideslip.
 
@@ -94,7 +94,7 @@ def flying_qualities(
     Raises
     ------
     ParameterError
-        for an unknown category or class, and for what is not a model
+        for an unknown category or class, or a model of another type
 
     References
     ----------
@@ -102,16 +102,16 @@ def flying_qualities(
     3.2.2.1, 3.3.1.1, 3.3.1.2 and 3.3.1.3.
     """
     if not isinstance(model, LinearModel):
-        must_be("model", model, "that of linear_model('c172p', ...)")
+        must_be("model", model, "a LinearModel, such as linear_model('c172p', ...)")
     one_of("category", category, CATEGORIES)
     one_of("aircraft_class", aircraft_class, CLASSES)
     modes = model.modes()
-    of = {mode.name: mode for mode in modes if mode.oscillatory}
+    oscillatory = {mode.name: mode for mode in modes if mode.oscillatory}
     real = {mode.name: mode for mode in modes if not mode.oscillatory}
-    found: list[Quality] = []
+    qualities: list[Quality] = []
 
     def add(name: str, paragraph: str, value: float, unit: str, level: int) -> None:
-        found.append(Quality(name, paragraph, value, unit, level))
+        qualities.append(Quality(name, paragraph, value, unit, level))
 
     # a pair of complex poles, or two real ones
     short = [mode.pole for mode in modes if mode.name == "short period"]
@@ -126,31 +126,31 @@ def flying_qualities(
         if not math.isnan(anticipation):
             level = _within(anticipation, _ANTICIPATION[category])
             add("control anticipation parameter", "3.2.2.1.1", anticipation, "rad/s2 per g", level)
-    if phugoid := of.get("phugoid"):
+    if phugoid := oscillatory.get("phugoid"):
         level = 1 + sum(phugoid.damping < limit for limit in _PHUGOID_DAMPING)
         if level == 3 and phugoid.time_to_double < _PHUGOID_DOUBLE:
             level = 4
         add("phugoid damping ratio", "3.2.1.2", phugoid.damping, "", level)
-    if dutch := of.get("Dutch roll"):
-        limits_of = _dutch_roll(category, aircraft_class)
+    if dutch := oscillatory.get("Dutch roll"):
+        levels = _dutch_roll(category, aircraft_class)
         values = (
             ("damping ratio", dutch.damping, ""),
             ("damping times frequency", -dutch.pole.real, "rad/s"),
             ("frequency", dutch.frequency, "rad/s"),
         )
         for i, (name, value, unit) in enumerate(values):
-            level = _within(value, tuple((row[i], _INF) for row in limits_of))
+            level = _within(value, tuple((row[i], _INF) for row in levels))
             add(f"Dutch roll {name}", "3.3.1.1", value, unit, level)
     if roll := real.get("roll"):
-        slowest = _roll(category, aircraft_class)
+        limits = _roll(category, aircraft_class)
         T = roll.time_constant
-        level = _within(T, tuple((0.0, t) for t in slowest))
+        level = _within(T, tuple((0.0, t) for t in limits))
         add("roll mode time constant", "3.3.1.2", T, "s", level)
     if spiral := real.get("spiral"):
         T = spiral.time_to_double
         level = 1 if math.isnan(T) else 1 + sum(t > T for t in _SPIRAL_DOUBLE[category])
         add("spiral time to double", "3.3.1.3", _INF if math.isnan(T) else T, "s", level)
-    return found
+    return qualities
 
 
 def _within(value: float, limits: Sequence[tuple[float, float]]) -> int:
@@ -159,7 +159,7 @@ def _within(value: float, limits: Sequence[tuple[float, float]]) -> int:
 
 
 def _dutch_roll(category: str, aircraft_class: str) -> tuple[tuple[float, float, float], ...]:
-    """Least damping ratio, product (rad/s) and frequency (rad/s), table VI, paragraph 3.3.1.1."""
+    """Minimum damping ratio, product (rad/s), frequency (rad/s): table VI, paragraph 3.3.1.1."""
     nimble = aircraft_class in ("I", "II-C", "IV")
     if category == "A":
         first = (0.19, 0.35, 1.0 if aircraft_class in ("I", "IV") else 0.4)
@@ -171,7 +171,7 @@ def _dutch_roll(category: str, aircraft_class: str) -> tuple[tuple[float, float,
 
 
 def _roll(category: str, aircraft_class: str) -> tuple[float, float, float]:
-    """Longest time constant in s, table VII, paragraph 3.3.1.2."""
+    """Maximum time constant in s, table VII, paragraph 3.3.1.2."""
     nimble = {"A": ("I", "IV"), "B": (), "C": ("I", "II-C", "IV")}[category]
     return (1.0, 1.4, 10.0) if aircraft_class in nimble else (1.4, 3.0, 10.0)
 
@@ -181,8 +181,8 @@ def control_anticipation(model: LinearModel, frequency: float) -> float:
 
     ``frequency`` is omega of the short period in rad/s.
 
-    n/alpha is that of a steady pull-up at constant speed, V q / (g alpha), from the states alpha
-    and q and those of the control system. NaN for a model without elevator.
+    n/alpha is taken from a steady pull-up at constant speed, V q / (g alpha), with the states
+    alpha and q and those of the control system. NaN for a model without elevator.
     """
     fast = [i for i, name in enumerate(model.states) if name in ("alpha", "q") or name[0] == "x"]
     pitch = [i for i, name in enumerate(model.inputs) if "elevator" in name]

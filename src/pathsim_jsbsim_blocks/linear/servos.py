@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def hysteresis(folder: Path, commands: Sequence[str]) -> dict[str, float]:
-    """Servos below a model's folder that a command reaches: property, width in its unit."""
+    """Widths of hysteresis downstream of the commands, by property, in its unit."""
     components = list(_components(folder))
     reached, widths, size = set(commands), dict[str, float](), 0
     while len(reached) > size:

@@ -1,4 +1,4 @@
-"""Stability margins: of the loop of a law around an aircraft, and of many loops in a search."""
+"""Stability margins of one loop of a law and an aircraft, and of many loops in a search."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .._core.sampling import SampledLaw
 from ..flight.block import FlightBlock
 from .model import LinearModel, find
 
-# the reference that a cascaded hold gives its inner loop, and what the inner loop measures
+# a cascaded hold's command to its inner loop, and the measurements of the inner loop
 _INNER = {"theta_cmd": ("theta", "q"), "phi_cmd": ("phi", "p")}
 
-_SETTLED = 5.0  # s at the trim after which a hold's references have come to rest
+_SETTLED = 5.0  # s at the trim, for a hold's references to settle
 
-_SLOWEST, _COUNT = 1e-3, 2000  # rad/s, frequencies at which a loop is evaluated
+_SLOWEST, _COUNT = 1e-3, 2000  # minimum in rad/s and number of the frequencies of a loop
 
 EXTRA_DELAY = 0.05  # s
 
@@ -32,30 +32,30 @@ EXTRA_DELAY = 0.05  # s
 class Margins:
     """Stability margins of a loop L with negative feedback, and its frequency response.
 
-    They are distances of a stable closed loop from instability; of an unstable one python-control
-    gives numbers too.
+    They apply only if the closed loop is stable, although python-control also returns numbers for
+    an unstable one.
 
     Attributes
     ----------
     loop : str
-        what the loop is, where it is broken, and what is closed within it
+        the law, the point at which its loop is broken, and the laws closed within it
     gain_margin : float
-        factor in dB that makes the loop unstable, the one nearest to 0: positive by more gain,
-        negative by less; infinite without a phase crossover
+        change of gain in dB at which the loop becomes unstable, the one nearest to 0: positive for
+        an increase, negative for a decrease; infinite without a phase crossover
     phase_crossover : float
-        rad/s, where the phase is an odd multiple of 180 deg; NaN without one
+        frequency in rad/s at which the phase is an odd multiple of 180 deg; NaN without one
     phase_margin : float
-        deg, the one nearest to 0: positive by more lag, negative by less, as at a phugoid's peak;
-        infinite without a crossover
+        deg, the one nearest to 0: positive for added lag, negative for added lead, as at a
+        phugoid's peak; infinite without a crossover
     crossover : float
-        rad/s, where the gain is 1 and the phase margin is measured; NaN without one
+        frequency in rad/s of gain 1, at which the phase margin applies; NaN without one
     delay_margin : float
-        further delay in s that makes the loop unstable; infinite without a crossover
+        additional delay in s at which the loop becomes unstable; infinite without a crossover
     disk_margin : float
-        largest alpha with ``|S - 1/2| < 1 / alpha``, S = 1 / (1 + L), for changes of gain and phase
-        at the same time (balanced, skew 0); at most 2
+        maximum alpha with ``|S - 1/2| < 1 / alpha``, S = 1 / (1 + L), for simultaneous changes of
+        gain and phase (balanced, skew 0); at most 2
     Ms : float
-        largest sensitivity ``|S|``
+        maximum sensitivity ``|S|``
     omega : array, shape (k,)
         rad/s
     response : complex array, shape (k,)
@@ -75,13 +75,13 @@ class Margins:
 
     @property
     def disk_gain_margin(self) -> float:
-        """Gain in dB that the disk allows, up and down."""
+        """Change of gain in dB that the disk allows, up and down."""
         alpha = self.disk_margin
         return 20 * math.log10((2 + alpha) / (2 - alpha)) if alpha < 2 else math.inf
 
     @property
     def disk_phase_margin(self) -> float:
-        """Phase in deg that the disk allows, to both sides."""
+        """Change of phase in deg that the disk allows, lag and lead."""
         return 2 * math.degrees(math.atan(self.disk_margin / 2))
 
     def __str__(self) -> str:
@@ -99,25 +99,25 @@ class Margins:
 
 
 def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
-    """Stability margins of a loop, with its sampling, hold and latency exactly.
+    """Stability margins of a loop, with exact sampling, hold and latency.
 
-    The loop of a law is broken at its command: a hold's at the actuator's command, all that it
-    measures being fed back through that. A hold with an inner loop (heading, course, altitude,
-    climb) is broken at its command to that, ``phi_cmd`` or ``theta_cmd``, with the inner loop
-    closed. Loops of other laws are open, unless they are in ``closed``.
+    The loop of a law is broken at its command. For a hold this is the actuator's command, with
+    all its measurements fed back; for a hold with an inner loop (heading, course, altitude, climb)
+    it is the command to that loop, ``phi_cmd`` or ``theta_cmd``, with the inner loop closed. Loops
+    of other laws are open, unless they are in ``closed``.
 
     Parameters
     ----------
     plant : Aircraft, JSBSimFDM, LinearModel or python-control system
-        the aircraft, whose flown model is made (0.5 s), or its model; without a law a loop L with
-        negative feedback, such as a ``FrequencyResponseData`` or a transfer function
+        the aircraft, from which a flown model is identified (0.5 s), or its model; without a law a
+        loop L with negative feedback, such as a ``FrequencyResponseData`` or a transfer function
     law : hold, SampledLaw or python-control system
-        as it is wired, u = law y: a negative feedback has its minus in it. Of a block, every port
-        with the name of an output is connected, or in a diagram those that are; it is engaged at
-        the trim. The labels of a python-control system are names of outputs and of an input of
-        the model; a discrete one has the sample period of the model
+        as connected, u = law y, so negative feedback includes its minus sign. A block is engaged
+        at the trim, and each port named like an output is connected (in a diagram, only ports with
+        a connection). A python-control system has names of the model's outputs and input as
+        labels, and the model's sample period if it is discrete
     *closed : hold, SampledLaw or python-control system
-        laws whose loops are closed
+        other laws with closed loops
 
     Returns
     -------
@@ -128,10 +128,10 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
     MissingExtraError
         if python-control (extra ``analysis``) is not installed
     ParameterError
-        for a law that measures what the model does not show, naming the nearest, that moves more
-        than one command, or has another sample period
+        for a law with a measurement that the model lacks, naming the nearest, with more than one
+        command, or with another sample period
     LinearisationError, LinearizationError
-        where the aircraft or the law has no linear model
+        if the aircraft or the law has no linear model
 
     References
     ----------
@@ -151,7 +151,7 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
         refuse("plant", plant, why)
     outer = _connected("law", law, model)
     if len(outer.commands) > 1:
-        why = f"{outer.name} moves {', '.join(outer.commands)}: a loop has one command"
+        why = f"a loop has one command, but {outer.name} has {', '.join(outer.commands)}"
         refuse("law", law, why)
     inner = [_connected("closed", each, model) for each in closed]
     at = outer.commands[0]
@@ -199,13 +199,13 @@ class _Connected(NamedTuple):
     name: str
     measured: Sequence[str]  # outputs of the model
     commands: Sequence[str]  # inputs of the model
-    held: Sequence[str]  # what the law cannot do without
-    references: Sequence[str]  # its further outputs
+    held: Sequence[str]  # measurements that the law requires
+    references: Sequence[str]  # other outputs of the law
     response: Any  # frequency response at omega, shape (k, commands, measured)
     sampled: bool = True
 
     def parted(self, rest: Sequence[str]) -> tuple[_Connected, _Connected]:
-        """The law's feedback of all but the rest, and of that."""
+        """The law without the feedback of ``rest``, and that feedback as a law."""
         own = [i for i, x in enumerate(self.measured) if x not in rest]
         others = [self.measured.index(x) for x in rest]
         return (
@@ -248,14 +248,14 @@ def _connected(parameter: str, law: Any, model: LinearModel) -> _Connected:
 def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
     _same_period(parameter, law, law.clock.period, model)
     ports, outputs = port_names(law.inputs), port_names(law.outputs)
-    wired = law.inputs.wired or set(ports)
+    connected = law.inputs.wired or set(ports)
     find(parameter, model.outputs, law.measured)
-    measured = [x for x in ports if x in wired and x in model.outputs]
+    measured = [x for x in ports if x in connected and x in model.outputs]
     commands = [x for x in law.commands or outputs if x in outputs]
     find(parameter, model.inputs, commands)
     if not measured:
         why = f"no port of {type(law).__name__} has the name of an output of the model"
-        refuse(parameter, law, f"{why}: {', '.join(ports)}; give it as a python-control system")
+        refuse(parameter, law, f"{why}: {', '.join(ports)}; give a python-control system")
     u, state = [0.0] * len(values(law.inputs)), law.initial_state()
     for x in measured:
         u[ports[x]] = float(model.y0[model.outputs.index(x)])
@@ -276,7 +276,7 @@ def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
 def _same_period(parameter: str, law: Any, T: float, model: LinearModel) -> None:
     if not math.isclose(T, model.dt, rel_tol=1e-9):
         why = f"the law is sampled every {T:.6g} s, the aircraft every {model.dt:.6g} s"
-        refuse(parameter, law, f"{why}: margins are of loops with one sample period")
+        refuse(parameter, law, f"{why}: give both the same period")
 
 
 def _of_response(loop: Any) -> Margins:
@@ -285,7 +285,7 @@ def _of_response(loop: Any) -> Margins:
     if isinstance(loop, (control.StateSpace, control.TransferFunction)) and loop.issiso():
         loop = control.frequency_response(loop, omega_num=_COUNT)
     if not isinstance(loop, control.FrequencyResponseData) or not loop.issiso():
-        why = "without a law, plant must be a loop with one input and one output of python-control"
+        why = "without a law, plant must be a python-control loop with one input and one output"
         refuse("plant", loop, f"{why}, not {reprlib.repr(loop)}")
     return _margins(loop.name, np.asarray(loop.omega), loop.frdata[0, 0])
 
@@ -305,7 +305,7 @@ def _margins(name: str, omega: np.ndarray, response: np.ndarray) -> Margins:
         math.inf if phase is None else float(phases[phase]),
         math.nan if phase is None else float(at_gain[phase]),
         float(later.min(initial=math.inf)),
-        # python-control's disk_margins takes no frequency response
+        # python-control's disk_margins does not accept a frequency response
         float(1 / np.abs(S - 0.5).max()),
         float(np.abs(S).max()),
         omega,
@@ -315,13 +315,13 @@ def _margins(name: str, omega: np.ndarray, response: np.ndarray) -> Margins:
 
 @dataclass(frozen=True)
 class LoopMargins:
-    """Margins of many loops, arrays of shape (loops,), for a search among thousands."""
+    """Margins of many loops, arrays of shape (loops,), for a search over thousands."""
 
     crossover: np.ndarray  # highest frequency at which the gain is 1, rad/s; 0 without one
-    gain: np.ndarray  # dB, the smaller of those up and down; infinite without a phase crossing
-    phase: np.ndarray  # deg, the smallest; infinite without a crossover
-    Ms: np.ndarray  # largest sensitivity |1 / (1 + L)|
-    Ms_delayed: np.ndarray  # the same with 50 ms of delay more
+    gain: np.ndarray  # minimum of up and down, dB; infinite without a phase crossover
+    phase: np.ndarray  # minimum, deg; infinite without a crossover
+    Ms: np.ndarray  # maximum sensitivity |1 / (1 + L)|
+    Ms_delayed: np.ndarray  # the same with EXTRA_DELAY added
 
 
 def loop_margins(omega: np.ndarray, L: np.ndarray) -> LoopMargins:
@@ -329,24 +329,24 @@ def loop_margins(omega: np.ndarray, L: np.ndarray) -> LoopMargins:
     size = np.abs(L)
     phase = np.unwrap(np.angle(L), axis=1)
     log = np.log(np.maximum(size, 1e-300))
-    # |L| = 1
+    # crossovers, interpolated in the logarithms of gain and frequency
     crosses = (log[:, :-1] > 0.0) != (log[:, 1:] > 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(crosses, log[:, :-1] / (log[:, :-1] - log[:, 1:]), 0.0)
-    there = phase[:, :-1] + share * np.diff(phase, axis=1)
-    away = np.degrees(np.abs(np.mod(there, 2 * np.pi) - np.pi))
+        fraction = np.where(crosses, log[:, :-1] / (log[:, :-1] - log[:, 1:]), 0.0)
+    angle = phase[:, :-1] + fraction * np.diff(phase, axis=1)
+    away = np.degrees(np.abs(np.mod(angle, 2 * np.pi) - np.pi))
     pm = np.where(crosses, away, np.inf).min(axis=1)
-    at = np.exp(np.log(omega[:-1]) + share * np.diff(np.log(omega)))
-    crossover = np.where(crosses, at, 0.0).max(axis=1)
-    # phase of an odd multiple of 180 deg
+    frequency = np.exp(np.log(omega[:-1]) + fraction * np.diff(np.log(omega)))
+    crossover = np.where(crosses, frequency, 0.0).max(axis=1)
+    # phase crossovers, at odd multiples of 180 deg
     turns = np.floor((phase + np.pi) / (2 * np.pi))
     crosses = turns[:, :-1] != turns[:, 1:]
     edge = (np.maximum(turns[:, :-1], turns[:, 1:]) * 2 - 1) * np.pi
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(crosses, (edge - phase[:, :-1]) / np.diff(phase, axis=1), 0.0)
-    there = log[:, :-1] + share * np.diff(log, axis=1)
-    gm = np.where(crosses, np.abs(there), np.inf).min(axis=1) * 20 / np.log(10)
-    late = L * np.exp(-1j * omega * EXTRA_DELAY)
+        fraction = np.where(crosses, (edge - phase[:, :-1]) / np.diff(phase, axis=1), 0.0)
+    level = log[:, :-1] + fraction * np.diff(log, axis=1)
+    gm = np.where(crosses, np.abs(level), np.inf).min(axis=1) * 20 / np.log(10)
+    delayed = L * np.exp(-1j * omega * EXTRA_DELAY)
     return LoopMargins(
-        crossover, gm, pm, 1 / np.abs(1 + L).min(axis=1), 1 / np.abs(1 + late).min(axis=1)
+        crossover, gm, pm, 1 / np.abs(1 + L).min(axis=1), 1 / np.abs(1 + delayed).min(axis=1)
     )

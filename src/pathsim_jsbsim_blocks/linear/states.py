@@ -1,4 +1,4 @@
-"""The states of a linear model as JSBSim properties, and what is special about some of them."""
+"""The states of a linear model as JSBSim properties, and their kinds."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..flight.channels import Channel, port_channel
 _STATES = ("vt", "alpha", "beta", "p", "q", "r", "phi", "theta", "psi", "h")
 RIGID = tuple(map(port_channel, _STATES))
 
-# engine states that JSBSim shows
+# engine states with a JSBSim property
 _ENGINE = {"propeller-rpm": "rpm", "map-inhg": "inHg", "thrust-lbs": "lbf"}
 
 # ignorable coordinates: the dynamics do not depend on them
@@ -34,7 +34,7 @@ def engine_channels(airframe: Airframe) -> list[Channel]:
 
 
 def ignorable(channel: Channel) -> bool:
-    """Whether a quantity is an ignorable coordinate, on which the dynamics do not depend."""
+    """Whether a quantity is an ignorable coordinate."""
     return any(_IGNORABLE.match(name) for name in channel.properties)
 
 
@@ -43,7 +43,7 @@ def acceleration(channel: Channel) -> bool:
     return any(name.startswith("accelerations/") for name in channel.properties)
 
 
-def as_shown(channel: Channel, value: float) -> float:
+def port_value(channel: Channel, value: float) -> float:
     """A property's value in the channel's unit, as at the ports: a heading of 360 is 0."""
     value = channel.factor * value
     return 0.0 if channel.unit == "deg" and value > ALMOST_NORTH else value
