@@ -1,7 +1,7 @@
-"""Find the diagrams: in the package if it is installed, otherwise in the repository.
+"""Find the diagrams, in the installed package or in the repository.
 
-They are in three folders: ``published`` has those that follow the published notebooks, ``beyond``
-the others, ``check_cases`` NASA's.
+Of the three folders, ``published`` follows the published notebooks, ``check_cases`` has NASA's
+check cases, and ``beyond`` has the others.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ def diagram_folder() -> Path:
 
     The model ``NAME.pvm`` of a diagram is beside its script ``NAME.py``.
     """
-    here = Path(__file__).resolve().parent
-    installed = here / "diagrams"
-    return installed if installed.is_dir() else here.parents[1] / "diagrams"
+    package = Path(__file__).resolve().parent
+    installed = package / "diagrams"
+    return installed if installed.is_dir() else package.parents[1] / "diagrams"
 
 
 def diagram_names() -> list[str]:
@@ -52,8 +52,8 @@ def diagram_groups() -> dict[str, list[str]]:
 def diagram_notebook(name: str) -> int | None:
     """Number of the published notebook that a diagram's docstring gives as its source, if any."""
     text = ast.get_docstring(ast.parse(find_diagram(name).read_text(encoding="utf-8"))) or ""
-    found = re.search(r"^Source: notebook (\d+) of", text, re.MULTILINE)
-    return int(found[1]) if found else None
+    match = re.search(r"^Source: notebook (\d+) of", text, re.MULTILINE)
+    return int(match[1]) if match else None
 
 
 def _scripts() -> dict[str, Path]:
@@ -73,7 +73,7 @@ def find_diagram(name: str, also: Iterable[str] = ()) -> Path:
     Raises
     ------
     ParameterError
-        if there is neither; the message names the nearest
+        if neither exists; the message names the nearest
     """
     if not isinstance(also, Iterable) or not all(isinstance(n, str) for n in also):
         must_be("also", also, "names")
@@ -99,7 +99,7 @@ def load_diagram(name: str, settings: Mapping[str, Any] | None = None) -> Module
     name : str
         name in the catalogue, or path of a script
     settings : dict, optional
-        values that the script builds with instead of its own: ``{"hold.theta_ref": 5.0}`` is the
+        values that replace the script's own as it builds: ``{"hold.theta_ref": 5.0}`` is the
         parameter of the block that the script assigns to ``hold``, ``{"DURATION": 60.0}`` a
         variable that it assigns at its top level
 

@@ -15,7 +15,7 @@ __all__ = ["UnitConversion", "convert"]
 class UnitConversion(NamedFunction):
     """Converts a signal from one unit to another, by exact factors.
 
-    Aircraft have ft, ft/s, kt and deg at their ports, air-data blocks SI.
+    Aircraft ports use ft, ft/s, kt and deg; air-data blocks use SI units.
 
     .. math::
         y = \\frac{a_s u + b_s - b_t}{a_t}

@@ -140,8 +140,9 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
 
     Examples
     --------
-    >>> print(margins(Aircraft("c172p", altitude=5000, speed=90), PitchHold("c172p")))
-    PitchHold of c172p, broken at elevator: gain margin ...
+    >>> from pathsim_jsbsim_blocks import Aircraft, PitchHold
+    >>> round(margins(Aircraft("c172p", speed=90), PitchHold("c172p")).crossover, 2)  # rad/s
+    7.35
     """
     if law is None:
         return _of_response(plant)

@@ -15,10 +15,10 @@ from .._core.units import FOOT
 from ..air import isa
 from ..sources import _EdgeSource, polarity_of
 
-# altitude in ft, reference gust velocity in ft/s EAS between the design cruising speed and that of
-# maximum gust intensity: 14 CFR 25.341(a)(5)(i), amendment 25-141
+# altitude in ft, reference gust velocity in ft/s EAS from the design speed for maximum gust
+# intensity to the design cruising speed: 14 CFR 25.341(a)(5)(i), amendment 25-141
 _REFERENCE = ((0.0, 15000.0, 60000.0), (56.0, 44.0, 20.86))
-# limits of the gradient there, each unit rounded by itself
+# limits of the gradient in the rule, rounded separately in each unit
 _FEET, _METRES = (30.0, 350.0), (9.0, 107.0)
 
 
@@ -30,7 +30,7 @@ def design_gust_velocity(gradient: float, altitude: float, alleviation: float = 
         \\sqrt{\\rho_0 / \\rho}
 
     with U_ref = 56 ft/s EAS at sea level, 44 at 15,000 ft and 20.86 at 60,000 ft, linear between.
-    At the design diving speed it is half of this.
+    At the design diving speed the gust has half this velocity.
 
     Parameters
     ----------
@@ -72,32 +72,32 @@ def design_gust_velocity(gradient: float, altitude: float, alleviation: float = 
 class OneMinusCosineGust(_EdgeSource):
     """Discrete gust of the 1-cosine shape, with the lengths and velocities of CS 25.341.
 
-    Positive is in the direction of the port that it is wired to: **down** at ``wind_down``, as in
-    MIL-F-8785C. The upward gust of CS 25.341, which raises nz, has the polarity -1 there.
+    A positive gust has the direction of the connected port: **down** at ``wind_down``, as in
+    MIL-F-8785C. The upward gust of CS 25.341, which raises nz, has polarity -1 at that port.
 
     .. math::
         U = \\frac{U_\\mathrm{ds}}{2} \\left(1 - \\cos\\frac{\\pi s}{H}\\right), \\qquad
         0 \\le s = V (t - t_\\mathrm{start}) \\le 2 H
 
-    and 0 before and after. V is the airspeed at the start of the gust.
+    and 0 before and after. V is the true airspeed at the start of the gust.
 
     Parameters
     ----------
     gradient : float
         gust gradient distance H, the length of the rise, in ``unit``; half of the gust's length
     airspeed : float, optional
-        true airspeed V at which the gust is met, ft/s; default: that at the port ``vt``
+        true airspeed V, ft/s; default: the port ``vt`` at the start of the gust
     altitude : float
-        ft, for the design gust velocity
+        pressure altitude in ft, for the design gust velocity
     amplitude : float, optional
         peak velocity U_ds in ft/s true; default: ``wind.design_gust_velocity`` of the gradient and
         the altitude
     start : float
-        time at which the gust begins in s
+        time in s at which the gust begins
     polarity : float
         sign of the gust, 1 or -1
     unit : str
-        "ft" or "m", of the gradient
+        unit of the gradient, "ft" or "m"
 
     Inputs
     ------
@@ -113,8 +113,8 @@ class OneMinusCosineGust(_EdgeSource):
     ------
     ParameterError
         for a length or an airspeed that is not positive, a polarity other than 1 and -1, and
-        without an amplitude a gradient outside of 30 to 350 ft (9 to 107 m) or an altitude outside
-        of 0 to 60,000 ft; as a run begins, without an airspeed and a wire to ``vt``
+        without an amplitude a gradient outside 30 to 350 ft (9 to 107 m) or an altitude outside
+        0 to 60,000 ft; at the start of a run, without ``airspeed`` and a connection to ``vt``
 
     References
     ----------
@@ -133,7 +133,7 @@ class OneMinusCosineGust(_EdgeSource):
     input_port_labels = {"vt": 0}
     output_port_labels = {"gust": 0}
 
-    _vt = 0.0  # ft/s, at the port as the gust began
+    _vt = 0.0  # true airspeed at the port at the start of the gust, ft/s
 
     def _begin(self) -> None:
         super()._begin()
@@ -156,7 +156,7 @@ class OneMinusCosineGust(_EdgeSource):
         return self._checked.polarity * peak
 
     def _speed(self) -> float:
-        """The airspeed at which the gust is met, ft/s; 0 before that is known."""
+        """True airspeed of the gust, ft/s; 0 before the gust reads it from the port."""
         return self._checked.airspeed or self._vt
 
     def _edge_times(self) -> list[float]:
@@ -176,11 +176,11 @@ class OneMinusCosineGust(_EdgeSource):
 
     def update(self, t: float) -> None:
         if self.airspeed is None and not self.inputs.wired:
-            why = "a gust is met at an airspeed: give airspeed in ft/s, or wire the port vt"
+            why = "a gust requires an airspeed: give airspeed in ft/s, or connect the port vt"
             refuse("airspeed", None, why)
         y = 0.0
         if self.passed == 1:
-            # within the gust, also where a parameter was edited in the middle of it
+            # stay within the gust if a parameter is edited in the middle of it
             s = min(max(self._speed() * (t - self.start), 0.0), 2 * self.length)
             y = self._peak / 2 * (1 - math.cos(math.pi * s / self.length))
         self.outputs[0] = y

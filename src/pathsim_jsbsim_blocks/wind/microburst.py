@@ -14,9 +14,9 @@ from .._core.function import NamedFunction
 from .._core.parameters import parameter
 from ..axes.earth import geodetic_to_ned
 
-# height of the strongest outflow over the two scales of height
+# height of the maximum outflow over the two height scales
 _OUTER, _INNER = 0.22, 2.75
-# largest value of (1 - exp(-x^2)) / (2 x), the outflow over the radius at one height
+# maximum of (1 - exp(-x^2)) / (2 x), the variation of the outflow with the radius
 _PEAK = 0.31908642
 
 _length = partial(number, above=0.0, low=1.0, high=1e6)  # ft
@@ -33,9 +33,9 @@ def oseguera_bowles(
 ) -> tuple[Any, Any, Any]:
     """Velocity of the air in an axially symmetric downburst above flat ground.
 
-    Oseguera and Bowles, NASA TM-100632; `Microburst` has the equations. There w is positive
-    upwards, z* = z_m / 0.22 and epsilon = z_m / 2.75. The flow conserves mass. The outflow is
-    strongest at r = 1.12 R and at the height z_m; lambda follows from it.
+    Oseguera and Bowles, NASA TM-100632. In the equations of `Microburst` w is positive upwards,
+    z* = z_m / 0.22 and epsilon = z_m / 2.75. The flow conserves mass. The outflow has its maximum
+    at r = 1.12 R and the height z_m; lambda follows from it.
 
     Parameters
     ----------
@@ -46,9 +46,9 @@ def oseguera_bowles(
     radius : float
         radius R of the downdraft, ft
     outflow : float
-        strongest horizontal velocity, ft/s
+        maximum horizontal velocity, ft/s
     height : float
-        height z_m of the strongest horizontal velocity, ft
+        height z_m of the maximum horizontal velocity, ft
 
     Returns
     -------
@@ -58,7 +58,7 @@ def oseguera_bowles(
     Raises
     ------
     ParameterError
-        for a radius or height outside of [1, 1e6] ft, an outflow that is not positive or above
+        for a radius or height outside [1, 1e6] ft, an outflow that is not positive or above
         1000 ft/s, and values that are not finite
     """
     north, east, h = finite(north=north, east=east, h=h)
@@ -74,7 +74,7 @@ def oseguera_bowles(
 
 @dataclass(eq=False, repr=False)
 class Microburst(NamedFunction):
-    """Downburst of Oseguera and Bowles at a place on the ground, for the aircraft's wind ports.
+    """Downburst of Oseguera and Bowles at a point on the ground, for the aircraft's wind ports.
 
     .. math::
         u_r &= \\frac{\\lambda R^2}{2 r} \\left(1 - e^{-(r/R)^2}\\right)
@@ -82,8 +82,8 @@ class Microburst(NamedFunction):
         w &= -\\lambda e^{-(r/R)^2}
         \\left(z^* (1 - e^{-z/z^*}) - \\epsilon (1 - e^{-z/\\epsilon})\\right)
 
-    A flight through it meets headwind, downdraft and tailwind in turn. The outflow is strongest at
-    r = 1.12 R. See ``wind.oseguera_bowles``.
+    A flight through it meets headwind, downdraft and tailwind in turn. The outflow has its maximum
+    at r = 1.12 R. See ``wind.oseguera_bowles``.
 
     Parameters
     ----------
@@ -94,9 +94,9 @@ class Microburst(NamedFunction):
     radius : float
         radius R of the downdraft, ft
     outflow : float
-        strongest horizontal velocity, ft/s
+        maximum horizontal velocity, ft/s
     height : float
-        height of the strongest horizontal velocity above the terrain, ft
+        height of the maximum horizontal velocity above the terrain, ft
     terrain : float
         elevation of the terrain above mean sea level, ft
 
@@ -115,7 +115,7 @@ class Microburst(NamedFunction):
     Raises
     ------
     ParameterError
-        for a radius or height outside of [1, 1e6] ft, an outflow that is not positive or above
+        for a radius or height outside [1, 1e6] ft, an outflow that is not positive or above
         1000 ft/s, a latitude out of its range, and values that are not finite
 
     References
@@ -152,7 +152,7 @@ class Microburst(NamedFunction):
 
 @cache
 def _feet_per_degree(lat0: float) -> tuple[float, float]:
-    """Feet north in a degree of latitude, feet east in a degree of longitude, near a latitude."""
+    """Feet per degree of latitude and per degree of longitude, at a latitude."""
     step = 0.01
     north = geodetic_to_ned(lat0 + step, 0.0, 0.0, lat0, 0.0, 0.0)[0]
     east = geodetic_to_ned(lat0, step, 0.0, lat0, 0.0, 0.0)[1]

@@ -15,7 +15,7 @@ from .._core.parameters import parameter
 from .._core.units import KNOT
 
 _REFERENCE_HEIGHT = 20.0  # ft
-_TOP = 1000.0  # ft, up to which the specification gives the profile
+_TOP = 1000.0  # ft, maximum height of the specification's profile
 
 _speed = partial(number, low=0.0, high=1e3)  # kt
 # ft; from smoother than ice to below the reference height
@@ -25,7 +25,7 @@ _roughness = partial(number, above=0.0, low=1e-6, high=math.nextafter(_REFERENCE
 def logarithmic_profile(h: Any, wind_20ft: float = 15.0, roughness: float = 0.15) -> Any:
     """Speed of the mean wind at a height above the terrain.
 
-    The logarithmic profile of MIL-F-8785C, 3.7.3, as of `WindShear`.
+    The logarithmic profile of MIL-F-8785C, 3.7.3; see `WindShear`.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class WindShear(NamedFunction):
     .. math::
         u = W_{20} \\frac{\\ln(h / z_0)}{\\ln(20 \\, \\mathrm{ft} / z_0)}
 
-    0 below z_0, and the value at 1000 ft above that.
+    The speed is 0 below z_0 and constant above 1000 ft.
 
     Parameters
     ----------

@@ -30,13 +30,13 @@ SIGMA = {
     "severe": (15.6, 17.6, 23.0, 23.6, 22.1, 20.0, 16.0, 15.1, 12.1, 7.9, 6.2, 5.1),
 }
 
-_LOWEST, _LOW, _MEDIUM = 10.0, 1000.0, 2000.0  # ft, where the forms of the specification hold
+_LOWEST, _LOW, _MEDIUM = 10.0, 1000.0, 2000.0  # ft, limits of the specification's forms
 _MEDIUM_LENGTH = 1750.0  # ft
-_speed = partial(number, low=0.0, high=1e3)  # kt and ft/s, of winds and their rms
+_speed = partial(number, low=0.0, high=1e3)  # winds in kt, rms in ft/s
 _span = partial(number, above=0.0, low=0.1, high=1e3)  # ft
-_FARTHEST = 1e100  # ft in a period: nothing of the state before is left, and squares are finite
+_FARTHEST = 1e100  # ft per period: the previous state has decayed, and squares are finite
 
-# number of the next row of noise; u; two states and the lagged velocity of v and of w; p
+# index of the next row of noise; u; two states and the lagged velocity, for v and for w; p
 State = tuple[Any, ...]
 
 
@@ -64,15 +64,15 @@ def dryden_field(
         \\frac{\\sigma_u}{\\sigma_w} = \\frac{\\sigma_v}{\\sigma_w} = (0.177 + 0.000823 h)^{-0.4},
         \\quad L_w = h, \\quad L_u = L_v = h \\, (0.177 + 0.000823 h)^{-1.2}
 
-    up to 1000 ft (at 10 ft below that); one rms and 1750 ft from 2000 ft up; linear in height
-    between.
+    up to 1000 ft (below 10 ft, with h = 10 ft); from 2000 ft up a common rms, and lengths of
+    1750 ft; linear in height between.
 
     Parameters
     ----------
     h : float
         height above the terrain, ft
     severity : str
-        "light", "moderate" or "severe"; sets the two values below
+        "light", "moderate" or "severe"; sets the defaults of the next two
     wind_20ft : float, optional
         wind speed at 20 ft, kt; default 15, 30 or 45
     sigma : float, optional
@@ -154,8 +154,8 @@ class Dryden:
         \\frac{0.8 (\\pi L_w / 4 b)^{1/3}}{1 + (4 b \\omega / \\pi V)^2}
 
     with a separate noise for p. Each step uses the transition matrix of the filters and the
-    covariance of what the noise adds within it, and the first state is drawn from the stationary
-    distribution: at any T the samples have the statistics of the continuous process. The class
+    covariance of the noise added within it, and the first state is drawn from the stationary
+    distribution, so at any T the samples have the statistics of the continuous process. The class
     itself is stateless, as ``PID`` is. States and noise may be arrays, for many flights at once.
 
     Parameters
@@ -165,7 +165,7 @@ class Dryden:
     span : float
         wing span b, ft
     severity, wind_20ft, sigma
-        as of `dryden_field`
+        as in `dryden_field`
 
     References
     ----------
@@ -253,12 +253,12 @@ def _second_order(x: Any, theta: float, k: float, noise: Any) -> tuple[Any, ...]
     """The three states after the time ``theta``."""
     a, b, c31, c32, f = _transition(theta, k)
     p11, p21, p22, p31, p32, p33 = _stationary(k)
-    # transition times covariance, as far as it is needed
+    # required entries of transition times covariance
     m21, m22 = b * p11 + a * p21, b * p21 + a * p22
     m31 = c31 * p11 + c32 * p21 + f * p31
     m32 = c31 * p21 + c32 * p22 + f * p32
     m33 = c31 * p31 + c32 * p32 + f * p33
-    # what the noise adds keeps the covariance as it is
+    # the covariance of the added noise keeps the total stationary
     added = _times(
         _lower(
             (
@@ -290,7 +290,7 @@ def _transition(theta: float, k: float) -> tuple[float, float, float, float, flo
     else:
         second = a * sum(z**n / math.factorial(n + 2) for n in range(9))
         first = a + z * second
-    # the lag's response to y: to its first value and to x1, which moves it
+    # the lag's response to y: to the initial value of y and to x1, which drives y
     value, slope = k * theta * first, (1 - _ROOT3) * k * theta**2 * second
     return a, theta * a, _ROOT3 * value + slope, (1 - _ROOT3) * value, f
 
@@ -302,7 +302,7 @@ def _stationary(k: float) -> Covariance:
 
 
 def _lower(q: Covariance) -> Covariance:
-    """Cholesky factor. In a short time the last entries are less than the rounding of ``q``."""
+    """Cholesky factor; over short times its last entries are below the rounding of ``q``: clip."""
     q11, q21, q22, q31, q32, q33 = q
     l11 = math.sqrt(max(q11, 0.0))
     l21, l31 = (q21 / l11, q31 / l11) if l11 else (0.0, 0.0)
@@ -338,15 +338,15 @@ class DrydenTurbulence(SampledLaw):
     severity : str
         "light", "moderate" or "severe": the wind at 20 ft, and the rms from 2000 ft up
     wind_20ft : float, optional
-        wind speed at 20 ft above the terrain in kt, instead of that of the severity (15, 30, 45)
+        wind speed at 20 ft above the terrain in kt; default by severity: 15, 30 or 45
     sigma : float, optional
-        rms of each velocity from 2000 ft up in ft/s, instead of figure 7 of the specification
+        rms of each velocity from 2000 ft up in ft/s; default: figure 7 of the specification
     span : float
-        wing span in ft, which the rates depend on
+        wing span in ft, for the rates
     terrain : float
         elevation of the terrain above mean sea level, ft
     seed : int
-        of the random numbers, 0 or more
+        seed of the random numbers, 0 or more
     T : float
         sample period in s; a new one acts at the next reset
 
@@ -355,7 +355,7 @@ class DrydenTurbulence(SampledLaw):
     h
         altitude above mean sea level, ft
     vt
-        true airspeed, ft/s; at 0 the turbulence stays as it is
+        true airspeed, ft/s; at 0 the turbulence is frozen
     psi
         true heading, deg
 
@@ -364,8 +364,8 @@ class DrydenTurbulence(SampledLaw):
     north, east, down
         velocity of the air, ft/s
     p, q, r
-        rotation of the air about the axes of u, v and w, as of a rigid body, deg/s; JSBSim does
-        not take these
+        rotation of the air about the axes of u, v and w, as for a rigid body, deg/s; JSBSim has no
+        input for these
 
     Raises
     ------
