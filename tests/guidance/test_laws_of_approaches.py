@@ -265,26 +265,33 @@ class Flare:
         elevator = self.pitch(self.reference, now["theta"], now["q"], engaging=engaging)
         aileron = self.roll(self.bank, now["phi"], now["p"], engaging=engaging)
 
-        aim = c["course"]
+        aim, align, speed = c["course"], c["align"], max(self.along, 30.0)
         if rolls:
-            aim -= clip(math.degrees(0.25 * now["loc_ft"] / v), -5.0, 5.0)
+            aim -= clip(math.degrees(0.25 * now["loc_ft"] / speed), -5.0, 5.0)
+            align *= self.kept / v
         flies = goes and not rolls
         if rolls or height < 3.0 * max(-now["hdot"], c["sink"]):
             self.psi += clip(degrees(aim - self.psi), -3.0 * T, 3.0 * T)
-        error = 0.0 if flies else c["align"] * (degrees(now["psi"] - self.psi) + 0.5 * now["r"])
-        moved = clip(now["rudder"] + error, self.rudder - T, self.rudder + T)
-        self.rudder = clip(moved, -1.0, 1.0)
+        error = 0.0 if flies else align * (degrees(now["psi"] - self.psi) + 0.5 * now["r"])
+        if rolls:
+            over_ground = c["course"] + math.degrees(math.atan(self.aside / speed))
+            self.turn += 0.3 * align * degrees(over_ground - aim) * T
+            self.turn = clip(self.turn, -1.0, 1.0)
+        else:
+            self.turn = 0.0
+        steers = error + (self.turn if rolls else now["rudder"])
+        self.rudder = clip(clip(steers, self.rudder - T, self.rudder + T), -1.0, 1.0)
         self.throttle = 1.0 if goes else max(self.throttle - 0.2 * T, -1.0)
         brakes = self.phase == 2 and now["wow"] and self.theta <= 0.0
-        most = clip(abs(self.along) / 20.0, 0.1, 1.0)
+        most = clip(self.along / 20.0, 0.0, 1.0)
         self.brakes = min(self.brakes + 0.25 * T, most) if brakes else 0.0
         own = [elevator, aileron, self.rudder, self.throttle, self.brakes]
-        own.append(clip(-error, -1.0, 1.0) if rolls else 0.0)
+        own.append(clip(-steers, -1.0, 1.0) if rolls else 0.0)
         passed = [now[x] for x in ("elevator", "aileron", "rudder", "throttle")]
         shown = own if self.phase else [*passed, 0.0, 0.0]
         return [*shown, float(self.phase), self.reference, self.bank, self.demanded]
 
-    brakes = 0.0
+    brakes = turn = 0.0
 
 
 @pytest.mark.parametrize("astray", [False, True])
