@@ -498,9 +498,10 @@ def test_the_approach_after_a_go_around_lands():
     diagram, again = calm("c172p"), Constant(0.0)
     flare, plane = diagram.flare, diagram.aircraft
     holds = [diagram.vertical, diagram.lateral, diagram.airspeed]
-    diagram.sim.add_block(again)
-    diagram.sim.add_connection(Connection(again, flare["off"]))
-    diagram.sim.add_connection(Connection(flare["phase"], *(hold["off"] for hold in holds)))
+    # inside: a wire of the diagram carries nothing to blocks of its subsystem
+    diagram.autoland.add_block(again)
+    diagram.autoland.add_connection(Connection(again, flare["off"]))
+    diagram.autoland.add_connection(Connection(flare["phase"], *(hold["off"] for hold in holds)))
     approached(diagram, lambda outputs: plane.outputs["h_agl"] < 80.0)
     diagram.go_around.value = 1.0
     approached(diagram, lambda outputs: plane.outputs["h_agl"] > 300.0)
