@@ -31,7 +31,7 @@ def wrap(angle: float) -> float:
 class ReferenceState(NamedTuple):
     """State of a `ReferenceLoop`."""
 
-    found: float = 0.0  # measured value at engagement
+    initial: float = 0.0  # measured value at engagement
     reference: float = 0.0
     law: PIDState = PID.START
 
@@ -66,7 +66,7 @@ class ReferenceLoop:
         """Target of the reference, and whether it is the value at engagement."""
         target, increment = reference
         if target is None:
-            return (state.found if state.law.engaged else y) + increment, True
+            return (state.initial if state.law.engaged else y) + increment, True
         return target + increment, False
 
     def sample(
@@ -125,7 +125,7 @@ def attitude_loop(
 class HeadingState(NamedTuple):
     """State of a `HeadingLoop`."""
 
-    found: float = 0.0  # heading at engagement
+    initial: float = 0.0  # heading at engagement
     law: PIDState = PID.START
     bank: float = 0.0  # deg, of straight flight
     psi: float = 0.0  # heading and bank, filtered

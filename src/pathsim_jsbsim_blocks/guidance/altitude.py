@@ -30,10 +30,10 @@ class AltitudeHold(GuidedHold):
         + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt
 
     with the pitch loop of ``PitchHold`` inside, sampled at T. It flies climbs and descents with the
-    elevator alone: add an ``AirspeedHold`` for the airspeed. With the port ``alpha`` wired it keeps
-    the angle of attack below its limit, and with ``vc`` the airspeed above its lowest: a climb that
-    the thrust does not sustain is reduced, and becomes a descent. Without these wires it climbs
-    into the stall.
+    elevator alone: add an ``AirspeedHold`` for the airspeed. With ``alpha`` connected the angle of
+    attack stays below its maximum, and with ``vc`` the airspeed above its minimum: a climb that the
+    thrust cannot sustain is reduced or becomes a descent. Without these connections the aircraft
+    may climb into a stall.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class AltitudeHold(GuidedHold):
     h_ref : float, optional
         altitude to hold in ft; default: the value at engagement
     hdot_max : float, optional
-        largest rate of climb and descent demanded, ft/s; default is the gain table's
+        maximum commanded rate of climb and descent, ft/s; default is the gain table's
     %(climb)s
     %(T)s
     %(reference)s
@@ -57,17 +57,17 @@ class AltitudeHold(GuidedHold):
         ft, added to the parameter
     %(elev_off)s
     vc
-        calibrated airspeed in kt, for gains that depend on it, and for the protection; without a
-        wire (0) the gains are those of the table's nominal point, and the protection limits neither
-        the airspeed nor the load factor
+        calibrated airspeed in kt, for gains that depend on it, and for the protection; if not
+        connected (0), the gains are those of the table's nominal point, and the protection limits
+        neither the airspeed nor the load factor
     alpha
-        angle of attack in deg; without a wire (0) there is no protection from the stall
+        angle of attack in deg; if not connected (0), there is no stall protection
 
     Outputs
     -------
     %(elevator)s
     hdot_cmd
-        rate of climb demanded, ft/s
+        commanded rate of climb, ft/s
 
     %(raises)s
     """
@@ -99,10 +99,10 @@ class AltitudeHold(GuidedHold):
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
         allowed, guard = vertical.guard(state, now, vc, full_throttle=True)
         reference = self.wanted("h_ref", h_ref, h)
-        wanted, hdot_cmd, altitude, _ = vertical.for_climb(
+        target, hdot_cmd, altitude, _ = vertical.for_climb(
             state, now, allowed, reference=reference, idle=idle
         )
-        elevator, theta_cmd, pitch, cut = vertical.fly(state, now, allowed, wanted)
+        elevator, theta_cmd, pitch, cut = vertical.fly(state, now, allowed, target)
         return [elevator, theta_cmd, hdot_cmd], VerticalState(altitude, pitch, guard, cut)
 
 
@@ -123,9 +123,9 @@ class VerticalSpeedHold(GuidedHold):
         \\theta_\\mathrm{cmd} = K_p (\\dot h_\\mathrm{cmd} - \\dot h)
         + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt
 
-    with the pitch loop of ``PitchHold`` inside, sampled at T. An altitude that is demanded, and
-    towards which the rate of climb leads, is captured where the law of ``AltitudeHold`` asks for
-    no more than that rate, and is held from then on. The protection is that of ``AltitudeHold``.
+    with the pitch loop of ``PitchHold`` inside, sampled at T. A commanded altitude towards which
+    the rate of climb leads is captured once the law of ``AltitudeHold`` commands no more than that
+    rate, and is held from then on. The protection is that of ``AltitudeHold``.
 
     Parameters
     ----------
@@ -183,8 +183,8 @@ class VerticalSpeedHold(GuidedHold):
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
         before = state.vertical
         allowed, guard = vertical.guard(before, now, vc, full_throttle=True)
-        asked, reference = self.wanted("hdot_ref", hdot_ref), self.wanted("h_ref", h_ref, h)
-        wanted, hdot_cmd, altitude, climb = vertical.for_climb(
+        rate, reference = self.wanted("hdot_ref", hdot_ref), self.wanted("h_ref", h_ref, h)
+        target, hdot_cmd, altitude, climb = vertical.for_climb(
             before,
             now,
             allowed,
@@ -192,9 +192,9 @@ class VerticalSpeedHold(GuidedHold):
             idle=idle,
             before=state.climb,
             mode=1.0,
-            asked=asked,
+            rate=rate,
         )
-        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, target)
         outputs = [elevator, theta_cmd, hdot_cmd, float(climb.captured)]
         return outputs, ClimbingState(VerticalState(altitude, pitch, guard, cut), climb)
 
@@ -210,8 +210,8 @@ class SpeedOnPitchHold(GuidedHold):
 
     with the loops of ``VerticalSpeedHold`` inside, sampled at T. The throttle sets whether the
     aircraft climbs or descends, and how fast: full throttle climbs at the airspeed, idle descends.
-    The frequency omega is 0.15 rad/s, the damping zeta 0.9. An altitude on the way is captured as
-    by ``VerticalSpeedHold``; let an ``AirspeedHold`` take over the throttle there.
+    The frequency omega is 0.15 rad/s, the damping ratio zeta 0.9. An altitude is captured as by
+    ``VerticalSpeedHold``; switch the throttle to an ``AirspeedHold`` then.
 
     Parameters
     ----------
@@ -241,7 +241,7 @@ class SpeedOnPitchHold(GuidedHold):
     %(elevator)s
     %(climbing)s
     vc_cmd
-        airspeed demanded on its ramp, kt
+        airspeed reference on its ramp, kt
 
     %(raises)s
     """
@@ -278,14 +278,14 @@ class SpeedOnPitchHold(GuidedHold):
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
         before = state.vertical
         allowed, guard = vertical.guard(before, now, vc, full_throttle=True)
-        wanted, keeps = self.speed.loop.towards(state.speed, vc, self.wanted("vc_ref", vc_ref, vc))
-        wanted = self.airspeed_within(allowed, wanted, vc)
+        target, keeps = self.speed.loop.towards(state.speed, vc, self.wanted("vc_ref", vc_ref, vc))
+        target = self.airspeed_within(allowed, target, vc)
         off = idle or state.climb.captured
         rate, vc_cmd, speed = self.speed.sample(
-            state.speed, vc, h, hdot, wanted, keeps, before.altitude.cut, off
+            state.speed, vc, h, hdot, target, keeps, before.altitude.cut, off
         )
         reference = self.wanted("h_ref", h_ref, h)
-        wanted, hdot_cmd, altitude, climb = vertical.for_climb(
+        target, hdot_cmd, altitude, climb = vertical.for_climb(
             before,
             now,
             allowed,
@@ -293,8 +293,8 @@ class SpeedOnPitchHold(GuidedHold):
             idle=idle,
             before=state.climb,
             mode=1.0,
-            asked=(rate, 0.0),
+            rate=(rate, 0.0),
         )
-        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, target)
         outputs = [elevator, theta_cmd, hdot_cmd, float(climb.captured), vc_cmd]
         return outputs, ClimbingState(VerticalState(altitude, pitch, guard, cut), climb, speed)

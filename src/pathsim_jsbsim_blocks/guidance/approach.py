@@ -1,4 +1,4 @@
-"""The last miles: course of a localizer, and glide path."""
+"""Holds of an approach: course of a localizer, and glide path."""
 
 from __future__ import annotations
 
@@ -21,32 +21,32 @@ from .vertical import Motion, VerticalState
 
 __all__ = ["GlideslopeHold", "LocalizerHold"]
 
-SLOWEST = 30.0  # ft/s, for angles from speeds
-_FASTEST = 5000.0  # ft/s; beyond, a receiver was tuned to another station
-_AWAY = 135.0  # deg off the course, from which an aircraft flies away from the station
-_ON_COURSE = 5.0  # deg, of the angle at which the law closes on the course line
-_ON_GLIDE_PATH = 0.35  # deg above it: half of full scale on an ILS indicator
+SLOWEST = 30.0  # minimum speed as a divisor, ft/s
+_FASTEST = 5000.0  # ft/s; a greater speed means that the receiver was tuned to another station
+_AWAY = 135.0  # heading off the course beyond which the aircraft flies away, deg
+_ON_COURSE = 5.0  # intercept angle that counts as on the course line, deg
+_ON_GLIDE_PATH = 0.35  # deviation in deg: half of full scale on an ILS indicator
 
 
 class BeamState(NamedTuple):
-    """Motion seen from a localizer."""
+    """Motion relative to a localizer's course."""
 
-    known: bool = False
+    valid: bool = False
     ft: float = 0.0
     dist: float = 0.0
-    aside: float = 0.0  # ft/s to the right of the course, smoothed
-    along: float = 0.0  # ft/s towards the station, smoothed
+    aside: float = 0.0  # speed to the right of the course, ft/s, smoothed
+    along: float = 0.0  # speed towards the station, ft/s, smoothed
 
     def next(
         self, ft: float, dist: float, T: float, smoothing: float
     ) -> tuple[BeamState, float, float, bool]:
-        """The state at a sample; speeds across and along the course as measured, ft/s, if known."""
+        """The next state, the measured speeds across and along the course, ft/s, and validity."""
         across, along = (ft - self.ft) / T, (self.dist - dist) / T
-        if not self.known or abs(along) >= _FASTEST:
+        if not self.valid or abs(along) >= _FASTEST:
             return BeamState(True, ft, dist), across, along, False
-        share = -math.expm1(-T / smoothing) if self.along else 1.0
-        aside = self.aside + share * (across - self.aside)
-        smooth = self.along + share * (along - self.along)
+        gain = -math.expm1(-T / smoothing) if self.along else 1.0
+        aside = self.aside + gain * (across - self.aside)
+        smooth = self.along + gain * (along - self.along)
         return BeamState(True, ft, dist, aside, smooth), across, along, True
 
 
@@ -56,7 +56,7 @@ class LocalizerState(NamedTuple):
     lateral: LateralState = LateralState()
     beam: BeamState = BeamState()
     drift: float = 0.0  # deg, smoothed
-    heading: float = 0.0  # found at engagement, deg
+    heading: float = 0.0  # heading at engagement, deg
     captured: bool = False
 
 
@@ -73,10 +73,10 @@ class LocalizerHold(Hold):
 
     with the distance d from the course line, the ground speed V_g and the course over the ground
     chi, which follow from the receiver's outputs, and the roll loop of ``RollHold`` inside, sampled
-    at T. Until the capture it holds the heading found at engagement. It captures where the law
-    above would no longer turn further towards the course line, or would close on it at less than
-    5 deg; not while it heads away from the station, more than 135 deg off the course. Wind is
-    corrected for: the drift angle is measured.
+    at T. Until the capture it holds the heading at engagement. It captures when the law above would
+    not turn further towards the course line, or would intercept it at less than 5 deg, but not on a
+    heading away from the station, more than 135 deg off the course. The measured drift angle
+    corrects for wind.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class LocalizerHold(Hold):
         time constant tau of the distance in s; default 3.5 times that of the heading loop,
         V_g / (g Kp)
     intercept : float
-        largest angle at which it closes on the course line, deg
+        maximum intercept angle of the course line, deg
     %(bank)s
     %(T)s
 
@@ -105,7 +105,7 @@ class LocalizerHold(Hold):
     -------
     %(aileron)s
     chi_cmd
-        course demanded, deg, [0, 360)
+        commanded course, deg, [0, 360)
     captured
         1 from the capture on, otherwise 0
 
@@ -129,45 +129,45 @@ class LocalizerHold(Hold):
 
     def build(self) -> None:
         self.heading, self.roll = self.lateral_loops()
-        self._share = -math.expm1(-self.clock.period / SMOOTHING)
+        self._gain = -math.expm1(-self.clock.period / SMOOTHING)
 
     def law(self, u: list[float], state: LocalizerState) -> tuple[list[float], LocalizerState]:
         psi, phi, p, ft, dist, off, ail_sat, vc = u[:8]
         self.retune(vc)
         idle, c = off != 0.0, self._checked
-        beam, across, along, known = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
+        beam, across, along, valid = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
         drift = 0.0
-        if known:
+        if valid:
             drift = wrap(c.course + DEGREES * math.atan(across / max(along, SLOWEST)) - psi)
-            share = self._share if state.beam.along else 1.0
-            drift = wrap(state.drift + share * wrap(drift - state.drift))
+            gain = self._gain if state.beam.along else 1.0
+            drift = wrap(state.drift + gain * wrap(drift - state.drift))
         chi = psi + drift
         speed = max(beam.along, SLOWEST)
         tau = c.lookahead
         if tau is None:
             tau = max(SEPARATION * self.heading.lag(speed), 1.0)
         closing = clip(DEGREES * math.atan(ft / (tau * speed)), -c.intercept, c.intercept)
-        ahead = wrap(chi - c.course)
-        met = ahead <= -closing if ft > 0.0 else ahead >= -closing
-        met = (met or abs(closing) < _ON_COURSE) and abs(wrap(psi - c.course)) < _AWAY
-        captured = not idle and (state.captured or (known and met))
+        angle = wrap(chi - c.course)
+        reached = angle <= -closing if ft > 0.0 else angle >= -closing
+        reached = (reached or abs(closing) < _ON_COURSE) and abs(wrap(psi - c.course)) < _AWAY
+        captured = not idle and (state.captured or (valid and reached))
 
-        found = state.heading if state.lateral.heading.law.engaged else psi
-        measured, target = (chi, c.course - closing) if captured else (psi, found)
+        initial = state.heading if state.lateral.heading.law.engaged else psi
+        measured, target = (chi, c.course - closing) if captured else (psi, initial)
         bank, heading = self.heading.sample(state.lateral.heading, measured, (target, 0.0), idle)
         aileron, phi_cmd, roll = self.roll.sample(
             state.lateral.roll, phi, p, bank, False, ail_sat, idle
         )
         outputs = [aileron, phi_cmd, target % 360.0, float(captured)]
         lateral = LateralState(heading, roll)
-        return outputs, LocalizerState(lateral, beam, drift, found, captured)
+        return outputs, LocalizerState(lateral, beam, drift, initial, captured)
 
 
 class GlideslopeState(NamedTuple):
-    """State of a `GlideslopeHold`; None for what is not known yet."""
+    """State of a `GlideslopeHold`; fields are None until they are computed."""
 
     dist: float | None = None  # ft
-    speed: float | None = None  # of closing, ft/s, smoothed
+    speed: float | None = None  # closing speed, ft/s, smoothed
     captured: bool = False
     vertical: VerticalState = VerticalState()
 
@@ -183,15 +183,15 @@ class GlideslopeHold(GuidedHold):
         + K_i \\int (\\dot h_\\mathrm{cmd} - \\dot h) \\, dt \\\\
         \\theta_\\mathrm{min} &\\le \\theta_\\mathrm{cmd} \\le \\theta_\\mathrm{max}
 
-    with the height Delta h above the path, the speed V_c of closing on the threshold, and the pitch
+    with the height Delta h above the path, the closing speed V_c on the threshold, and the pitch
     loop of ``PitchHold`` inside, sampled at T. The path is a straight line at the angle gamma to
-    the ground at the runway, which passes above the threshold; the Earth's surface falls away below
-    it. Until it is captured, the altitude found at engagement is held. It is captured where it
-    demands a lower rate of climb than the altitude does, on the way to the threshold and, unless
-    ``from_above`` is set, not more than 0.35 deg above the path. There is no flare: that of
-    ``FlareHold`` comes after it. With the ports ``alpha`` and ``vc`` wired it keeps the angle of
-    attack below its limit and the airspeed above its lowest: a path that the thrust does not
-    sustain is left, with the nose down and ``captured`` 0.
+    the ground at the runway, which passes above the threshold; the Earth's surface curves away
+    below it. Until the capture, the altitude at engagement is held. The path is captured on the way
+    to the threshold when it commands a lower rate of climb than the altitude does and, unless
+    ``from_above`` is set, at most 0.35 deg above the path. For the flare, connect a ``FlareHold``
+    after it. With ``alpha`` and ``vc`` connected the angle of attack stays below its maximum and
+    the airspeed above its minimum: a path that the thrust cannot sustain is left, with the nose
+    down and ``captured`` 0.
 
     Parameters
     ----------
@@ -200,20 +200,20 @@ class GlideslopeHold(GuidedHold):
     threshold : (float, float)
         geodetic latitude and longitude of the runway's threshold, deg
     elevation : float
-        height of the threshold above sea level, ft
+        elevation of the threshold above sea level, ft
     angle : float
         glide path angle gamma in [0.1, 20], deg
     crossing_height : float
         height of the path above the threshold, ft
     hdot_max : float, optional
-        largest correction of the rate of climb, ft/s, downwards; upwards it may be as large as the
+        maximum downward correction of the rate of climb, ft/s; upwards it may be as large as the
         path's own rate of descent; default is the gain table's
     %(climb)s
     %(T)s
     %(alpha_max)s
     from_above : bool
-        capture the path from above too, at any height: it descends to it by ``hdot_max`` faster
-        than the path does
+        capture the path from above too, at any height, with a sink rate ``hdot_max`` above the
+        path's
 
     Inputs
     ------
@@ -226,26 +226,26 @@ class GlideslopeHold(GuidedHold):
     %(elev_off)s
     %(vc)s
     alpha
-        angle of attack in deg; without a wire (0) there is no protection from the stall. The load
-        factor is limited with ``vc`` wired only
+        angle of attack in deg; if not connected (0), there is no stall protection. The load factor
+        is limited only with ``vc`` connected
     gs_deg, gs_ft, gs_dist
-        outputs of a ``Glideslope`` receiver, whose angle is ``angle``. If ``gs_dist`` is wired they
-        replace ``lat``, ``lon``, ``threshold``, ``elevation`` and ``crossing_height``
+        outputs of a ``Glideslope`` receiver, whose angle is ``angle``. If ``gs_dist`` is connected,
+        they replace ``lat``, ``lon``, ``threshold``, ``elevation`` and ``crossing_height``
 
     Outputs
     -------
     %(elevator)s
     hdot_cmd
-        rate of climb demanded, ft/s; 0 while off
+        commanded rate of climb, ft/s; 0 while off
     gs_deg
-        deviation seen from the path's foot, deg, positive above the path
+        angular deviation at the path's foot, deg, positive above the path
     gs_ft
         height above the path, ft
     dist
         distance to the threshold (with a receiver, to its station) in ft, negative beyond it once
         the path is captured
     captured
-        1 from the capture on, 0 before it and where the path is left
+        1 from the capture on, 0 before it and when the path is left
 
     %(raises)s
     """
@@ -278,7 +278,7 @@ class GlideslopeHold(GuidedHold):
         self._slope = math.tan(math.radians(c.angle))
         self._foot = c.crossing_height / self._slope
         self.vertical = self.vertical_loops(*self.gains_of("altitude", "pitch", "envelope"))
-        self._share = -math.expm1(-self.clock.period / SMOOTHING)
+        self._gain = -math.expm1(-self.clock.period / SMOOTHING)
 
     def law(self, u: list[float], state: GlideslopeState) -> tuple[list[float], GlideslopeState]:
         h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha, degrees, above, away = u[:13]
@@ -292,7 +292,7 @@ class GlideslopeHold(GuidedHold):
             if abs(rate) > _FASTEST:
                 speed = None
             else:
-                speed = abs(rate) if speed is None else speed + self._share * (abs(rate) - speed)
+                speed = abs(rate) if speed is None else speed + self._gain * (abs(rate) - speed)
         dist = -away if state.captured and rate < 0.0 else away
         if not received:
             height = h - self._checked.elevation
@@ -301,33 +301,33 @@ class GlideslopeHold(GuidedHold):
         vertical, before, idle = self.vertical, state.vertical, off != 0.0
         now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
         allowed, guard = vertical.guard(before, now, vc, full_throttle=True)
-        found, error = vertical.altitude.error(before.altitude, h, (None, 0.0))
+        initial, error = vertical.altitude.error(before.altitude, h, (None, 0.0))
         level = vertical.altitude.climb_rate(error)
         descent, lower = self._descent(above, speed or 0.0, level)
-        # the speed is known once the distance has changed
-        met = lower and rate > 0.0 and (self._checked.from_above or degrees <= _ON_GLIDE_PATH)
-        # below a path that takes more than the thrust gives
+        # a rate of 0 means that the closing speed has not been measured yet
+        reached = lower and rate > 0.0 and (self._checked.from_above or degrees <= _ON_GLIDE_PATH)
+        # below a path that requires more thrust than available
         left = descent > allowed.climb_max and degrees < -_ON_GLIDE_PATH
-        captured = not idle and (state.captured or met)
-        demanded = descent if captured else level
-        wanted, hdot_cmd, altitude = vertical.at_rate(before, now, allowed, found, demanded, idle)
-        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, wanted)
+        captured = not idle and (state.captured or reached)
+        command = descent if captured else level
+        target, hdot_cmd, altitude = vertical.at_rate(before, now, allowed, initial, command, idle)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, target)
         return (
             [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured and not left)],
             GlideslopeState(away, speed, captured, VerticalState(altitude, pitch, guard, cut)),
         )
 
     def _descent(self, above: float, speed: float, level: float) -> tuple[float, bool]:
-        """Rate of climb that follows the path, ft/s, and whether it is at most that for level."""
+        """Rate of climb that follows the path, ft/s, and whether it is at most ``level``."""
         altitude, sink = self.vertical.altitude, speed * self._slope
-        # a limit of the correction below this would end in a descent short of the path
-        most = max(altitude.hdot_max, sink)
-        back = -altitude.Kh * above
-        return clip(back, -altitude.hdot_max, most) - sink, back - sink <= level
+        # an upward correction limited to less than the sink could never fly level below the path
+        highest = max(altitude.hdot_max, sink)
+        correction = -altitude.Kh * above
+        return clip(correction, -altitude.hdot_max, highest) - sink, correction - sink <= level
 
     def _needed(self) -> tuple[str, ...]:
-        # a wire from a receiver asks for the others, and replaces the position
-        seen = "gs_deg", "gs_ft", "gs_dist"
-        if self.inputs.wired.isdisjoint(seen):
+        # a receiver requires all three connections, and replaces the position
+        receiver = "gs_deg", "gs_ft", "gs_dist"
+        if self.inputs.wired.isdisjoint(receiver):
             return self.measured
-        return (*(x for x in self.measured if x not in ("lat", "lon")), *seen)
+        return (*(x for x in self.measured if x not in ("lat", "lon")), *receiver)

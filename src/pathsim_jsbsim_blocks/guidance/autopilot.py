@@ -64,11 +64,11 @@ class AutopilotInputs(NamedTuple):
 
 
 class LeverState(NamedTuple):
-    """State of a throttle that is given."""
+    """State of the throttle while the elevator holds the airspeed."""
 
-    found: float = 0.0  # as it began
-    spare: float = 0.0  # what is given beyond that
-    rate: float = 0.0  # of climb with it, ft/s
+    initial: float = 0.0  # increment at engagement of the mode
+    spare: float = 0.0  # increment beyond that
+    rate: float = 0.0  # rate of climb with it, ft/s
 
 
 class AutopilotState(NamedTuple):
@@ -79,7 +79,7 @@ class AutopilotState(NamedTuple):
     speed: ReferenceState = SpeedLoop.START
     yaw: YawState = YawLoop.START
     climb: ClimbState = ClimbState()
-    pitched: ReferenceState = SpeedOnPitchLoop.START  # the airspeed, held by the elevator
+    pitched: ReferenceState = SpeedOnPitchLoop.START  # airspeed loop of the elevator
     lever: LeverState = LeverState()
 
 
@@ -89,15 +89,15 @@ class Autopilot(GuidedHold):
     """Autopilot with autothrottle and yaw damper in one block; the fastest to simulate.
 
     The loops are those of ``AltitudeHold`` or ``PitchHold``, ``HeadingHold`` or ``RollHold``,
-    ``AirspeedHold`` and ``YawDamper``, on request of ``VerticalSpeedHold`` or ``SpeedOnPitchHold``,
-    sampled at T. With every port at 0 it holds the altitude, heading and airspeed found at
-    engagement. Mode changes are bumpless; a mode that takes over holds the values it finds, plus
-    its reference port.
+    ``AirspeedHold`` and ``YawDamper``, optionally of ``VerticalSpeedHold`` or ``SpeedOnPitchHold``,
+    sampled at T. With every port at 0 it holds the altitude, heading and airspeed at engagement.
+    Mode changes are bumpless: a new mode holds the values at its engagement plus its reference
+    port.
 
-    With the port ``alpha`` wired, and a gain table that has limits of the flight envelope,
-    references are limited so that no demand leads into the stall, to the ground or beyond the
-    highest airspeed; then bank comes before height, and height before airspeed. The lowest airspeed
-    follows from the angle of attack: weight, flaps and load factor are in it.
+    With ``alpha`` connected and a gain table that has limits of the flight envelope, references are
+    limited so that no command leads to a stall, to the ground or beyond the maximum airspeed; then
+    bank is reduced before height, and height before airspeed. The minimum airspeed follows from the
+    angle of attack, so it allows for weight, flaps and load factor.
 
     Parameters
     ----------
@@ -128,22 +128,22 @@ class Autopilot(GuidedHold):
     Other Parameters
     ----------------
     bank_max : float
-        largest bank reference of the heading hold in deg
+        maximum bank reference of the heading hold in deg
     hdot_max : float, optional
-        largest rate of climb and descent of the altitude hold, ft/s; default is the gain table's,
-        and for descents what it allows at idle
+        maximum rate of climb and descent of the altitude hold, ft/s; default is the gain table's,
+        faster for descents if the sink rate at idle allows it
     theta_min : float
-        lowest pitch reference of the altitude hold in deg
+        minimum pitch reference of the altitude hold in deg
     theta_max : float, optional
-        highest pitch reference of the altitude hold in deg; default is the gain table's
+        maximum pitch reference of the altitude hold in deg; default is the gain table's
     elevator_authority : float or pair
-        largest elevator increment, of full travel
+        maximum elevator increment, of full travel
     aileron_authority : float or pair
-        largest aileron increment, of full travel
+        maximum aileron increment, of full travel
     rudder_authority : float or pair
-        largest rudder increment, of full travel
+        maximum rudder increment, of full travel
     throttle_authority : float or pair
-        largest throttle increment, of full travel
+        maximum throttle increment, of full travel
 
     Inputs
     ------
@@ -166,22 +166,22 @@ class Autopilot(GuidedHold):
     elev_sat, ail_sat, thr_sat
         ``Aircraft`` outputs of these names, for anti-windup
     alpha
-        angle of attack in deg; without a wire (0) there is no protection from the stall
+        angle of attack in deg; if not connected (0), there is no stall protection
     beta
-        angle of sideslip in deg; without a wire (0) turns are not coordinated, and that of a failed
-        engine remains
+        angle of sideslip in deg; if not connected (0), turns are not coordinated, and the sideslip
+        after an engine failure remains
     v_mode
-        with ``pitch_mode`` at 0: 0 altitude hold, 1 the rate of climb, 2 the airspeed with the
-        elevator at a given throttle; 1 and 2 until the altitude ``h_ref``, if there is one, is
+        with ``pitch_mode`` at 0: 0 holds the altitude, 1 the rate of climb, 2 the airspeed with
+        the elevator at fixed throttle; 1 and 2 until the altitude ``h_ref``, if commanded, is
         captured
     hdot_ref, thr_ref
         added to the parameters, ft/s and full travel
     h_agl
-        height above the ground in ft, with ``alpha`` wired: no descent below 100 ft; without a wire
-        (0) the ground is not known
+        height above the ground in ft: with ``alpha`` connected, no descent below 100 ft; if not
+        connected (0), the height is not limited
     vt
-        true airspeed in ft/s, with which the bank of straight flight follows what the aircraft
-        needs, with a failed engine for example; without a wire (0) it is that of the gains
+        true airspeed in ft/s, to estimate the bank of straight flight, after an engine failure for
+        example; if not connected (0), that bank is the gain table's
 
     Outputs
     -------
@@ -190,7 +190,7 @@ class Autopilot(GuidedHold):
     theta_cmd, phi_cmd, vc_cmd
         references on their ramps, deg, deg and kt
     hdot_cmd
-        rate of climb demanded, ft/s; 0 in pitch hold
+        commanded rate of climb, ft/s; 0 in pitch hold
     captured
         1 from the capture of the altitude on, otherwise 0
 
@@ -218,7 +218,7 @@ class Autopilot(GuidedHold):
     thr_ref: float | None = parameter(None, optional)
 
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
-    # an aircraft may have its own yaw damper
+    # no warning for an unconnected rudder: an aircraft may have its own yaw damper
     commands = {"elevator": "pitch_off", "aileron": "roll_off", "throttle": "speed_off"}
     input_port_labels = numbered(" ".join(AutopilotInputs._fields))
     output_port_labels = numbered(
@@ -257,9 +257,9 @@ class Autopilot(GuidedHold):
         captured = mode == state.climb.mode and state.climb.captured
         on_pitch = mode == 2.0 and not captured and not pitch_off
 
-        # the loop of the throttle and that of the elevator hold one airspeed
-        held = state.pitched if state.pitched.law.engaged else state.speed
-        vc_cmd = self.speed.loop.reference(held, vc)
+        # one airspeed reference, whichever of throttle and elevator holds it
+        engaged = state.pitched if state.pitched.law.engaged else state.speed
+        vc_cmd = self.speed.loop.reference(engaged, vc)
         allowed, guard = vertical.guard(
             before,
             motion,
@@ -271,11 +271,12 @@ class Autopilot(GuidedHold):
             h_agl=now.h_agl,
             eases=mode == 0.0 or captured,
         )
-        flown = self._airspeed(state, now, held, allowed, on_pitch)
-        throttle, vc_cmd, asked, speed, pitched, lever = flown
+        throttle, vc_cmd, rate, speed, pitched, lever = self._airspeed(
+            state, now, engaged, allowed, on_pitch
+        )
 
         protection = vertical.protection(alpha)
-        wanted, hdot_cmd, altitude, climb = vertical.for_climb(
+        target, hdot_cmd, altitude, climb = vertical.for_climb(
             before,
             motion,
             allowed,
@@ -283,15 +284,15 @@ class Autopilot(GuidedHold):
             idle=pitch_off or pitching,
             before=state.climb,
             mode=mode,
-            asked=asked,
-            # the protection's limit of the climb counts the airspeed itself
-            share=1.0 if protection else share_of_climb(vc, vc_cmd),
+            rate=rate,
+            # the protection already reduces a climb at low airspeed
+            fraction=1.0 if protection else share_of_climb(vc, vc_cmd),
         )
         keeps = False
         if pitching:
-            at = self.wanted("theta_ref", now.theta_ref)
-            wanted, keeps = vertical.pitch.towards(before.pitch, now.theta, at)
-        elevator, theta_cmd, pitch, cut = vertical.fly(before, motion, allowed, wanted, keeps)
+            reference = self.wanted("theta_ref", now.theta_ref)
+            target, keeps = vertical.pitch.towards(before.pitch, now.theta, reference)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, motion, allowed, target, keeps)
 
         aileron, phi_cmd, lateral = self._ailerons(state.lateral, now, allowed, protection, guard)
         rudder, yaw = self.yaw.sample(
@@ -313,42 +314,42 @@ class Autopilot(GuidedHold):
         self,
         state: AutopilotState,
         now: AutopilotInputs,
-        held: ReferenceState,
+        engaged: ReferenceState,
         allowed: Allowed,
         on_pitch: bool,
     ) -> tuple[float, float, Reference, ReferenceState, ReferenceState, LeverState]:
         """Throttle increment, airspeed reference in kt, commanded rate of climb, and next states.
 
-        The throttle holds the airspeed, or while ``on_pitch`` the elevator, by a rate of climb.
+        The throttle holds the airspeed or, while ``on_pitch``, the elevator by a rate of climb.
         """
         h, hdot, vc, off = now.h, now.hdot, now.vc, now.speed_off != 0.0
-        wanted, keeps = self.speed.loop.towards(held, vc, self.wanted("vc_ref", now.vc_ref, vc))
-        wanted = self.airspeed_within(allowed, wanted, vc)
+        target, keeps = self.speed.loop.towards(engaged, vc, self.wanted("vc_ref", now.vc_ref, vc))
+        target = self.airspeed_within(allowed, target, vc)
         throttle, vc_cmd, speed = self.speed.sample(
             state.speed,
             vc,
             hdot,
-            wanted,
+            target,
             keeps,
             now.thr_sat,
             off or on_pitch,
             boost=allowed.boost,
             feed=allowed.feed,
         )
-        climb, given, pitched = self.wanted("hdot_ref", now.hdot_ref), None, ReferenceLoop.START
+        climb, lever_ref, pitched = self.wanted("hdot_ref", now.hdot_ref), None, ReferenceLoop.START
         if on_pitch:
             cut = state.vertical.altitude.cut
             rate, vc_cmd, pitched = self.on_pitch.sample(
-                state.pitched, vc, h, hdot, wanted, keeps, cut, False
+                state.pitched, vc, h, hdot, target, keeps, cut, False
             )
             climb = rate, 0.0
-            given = None if off else self._given(now.thr_ref, allowed, rate)
-        # the value at engagement is passed from one loop to the other
+            lever_ref = None if off else self._lever_reference(now.thr_ref, allowed, rate)
+        # pass the airspeed at engagement from one loop to the other, so that both hold the same
         if state.pitched.law.engaged:
-            speed = speed._replace(found=held.found)
+            speed = speed._replace(initial=engaged.initial)
         elif on_pitch and state.speed.law.engaged:
-            pitched = pitched._replace(found=held.found)
-        throttle, speed, lever = self._lever(state, throttle, speed, hdot, now.thr_sat, given)
+            pitched = pitched._replace(initial=engaged.initial)
+        throttle, speed, lever = self._lever(state, throttle, speed, hdot, now.thr_sat, lever_ref)
         return throttle, vc_cmd, climb, speed, pitched, lever
 
     def _ailerons(
@@ -380,17 +381,17 @@ class Autopilot(GuidedHold):
         )
         return aileron, phi_cmd, LateralState(heading, roll)
 
-    def _given(self, thr_ref: float, allowed: Allowed, rate: float) -> Reference:
-        """A throttle that is given, less above the highest airspeed; more near the lowest one where
-        the rate of climb that holds the airspeed is forbidden.
+    def _lever_reference(self, thr_ref: float, allowed: Allowed, rate: float) -> Reference:
+        """The commanded throttle, reduced above the maximum airspeed; increased near the minimum if
+        the rate of climb that would hold the airspeed is not allowed.
         """
         target, increment = self.wanted("thr_ref", thr_ref)
-        asked = (target or 0.0) + increment
-        if abs(asked) > 1.0:
+        command = (target or 0.0) + increment
+        if abs(command) > 1.0:
             self._warn_once(
                 "thr_ref",
                 "thr_ref is {:g}; it is an increment of the throttle, whose range is 0 to 1",
-                asked,
+                command,
             )
         boost = allowed.boost if rate < allowed.climb_min else min(allowed.boost, 0.0)
         return target, increment + boost
@@ -402,25 +403,25 @@ class Autopilot(GuidedHold):
         speed: ReferenceState,
         hdot: float,
         sat: float,
-        given: Reference | None,
+        reference: Reference | None,
     ) -> tuple[float, ReferenceState, LeverState]:
-        """Throttle, given while the elevator holds the airspeed, and the next states.
+        """Throttle, from ``reference`` while the elevator holds the airspeed, and the next states.
 
-        Afterwards the loop goes on from the throttle before. What was given beyond that climbs, and
-        goes as the rate of climb does.
+        Afterwards the loop continues from the throttle before the climb. The increment beyond that
+        sustains the climb, so it is removed in proportion to the rate of climb.
         """
-        found, spare, rate = state.lever
+        initial, spare, rate = state.lever
         if not state.pitched.law.engaged:
-            found = state.speed.law.u + spare
+            initial = state.speed.law.u + spare
         low, high = self._checked.throttle_authority
-        if given:
-            target, increment = given
-            throttle = (found if target is None else target) + increment
-            spare = throttle - sat - found
-            speed = speed._replace(law=speed.law._replace(u=found, held=found))
-            return clip(throttle, low, high), speed, LeverState(found, spare, hdot)
-        share = clip(hdot / (rate or 1.0), 0.0, 1.0)
-        spare *= share
-        if share < 1.0:
+        if reference:
+            target, increment = reference
+            throttle = (initial if target is None else target) + increment
+            spare = throttle - sat - initial
+            speed = speed._replace(law=speed.law._replace(u=initial, held=initial))
+            return clip(throttle, low, high), speed, LeverState(initial, spare, hdot)
+        fraction = clip(hdot / (rate or 1.0), 0.0, 1.0)
+        spare *= fraction
+        if fraction < 1.0:
             rate = hdot
-        return clip(throttle + spare, low, high), speed, LeverState(found, spare, rate)
+        return clip(throttle + spare, low, high), speed, LeverState(initial, spare, rate)

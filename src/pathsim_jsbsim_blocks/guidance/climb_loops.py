@@ -16,9 +16,9 @@ from ..control.pid import PID, PIDState
 class AltitudeState(NamedTuple):
     """State of an `AltitudeLoop`."""
 
-    found: float = 0.0  # altitude at engagement
+    initial: float = 0.0  # altitude at engagement
     law: PIDState = PID.START
-    cut: float = 0.0  # ft/s, what was cut off the rate of climb demanded
+    cut: float = 0.0  # commanded rate of climb less the allowed one, ft/s
 
 
 class AltitudeLoop:
@@ -26,9 +26,9 @@ class AltitudeLoop:
 
     START = AltitudeState()
 
-    CAPTURE = 0.1 * GRAVITY  # ft/s2, of the rate of climb
+    CAPTURE = 0.1 * GRAVITY  # vertical acceleration, ft/s2; passengers hardly feel 0.1 g
 
-    # of descents: ft/s, share of the true airspeed, share of the sink rate at idle
+    # limits of a descent: ft/s, fraction of the true airspeed, fraction of the sink rate at idle
     FASTEST, STEEPEST, OF_IDLE = 25.0, 0.06, 0.8
 
     def __init__(
@@ -59,48 +59,48 @@ class AltitudeLoop:
         self.theta_max = self.pid.high = gains.theta_max if own_theta_max is None else own_theta_max
 
     def allow(self, theta: float) -> None:
-        """Allow this pitch angle at the next sample; only a limit of one's own forbids it."""
+        """Raise the maximum pitch angle to ``theta``, unless the user has set that maximum."""
         if self._own_theta_max is None:
             self.pid.high = max(self.theta_max, theta)
 
     def descend(self, descent: float, vt: float) -> None:
-        """Allow faster descents, from the sink rate at idle and the true airspeed, ft/s."""
+        """Allow faster descents, from the sink rate at idle and the true airspeed, both in ft/s."""
         if self._own_hdot_max is None:
-            most = min(self.STEEPEST * vt, self.OF_IDLE * descent, self.FASTEST)
-            self.sink_max = max(self.hdot_max, most)
+            limit = min(self.STEEPEST * vt, self.OF_IDLE * descent, self.FASTEST)
+            self.sink_max = max(self.hdot_max, limit)
 
-    def climb_rate(self, error: float, share: float = 1.0) -> float:
-        """Rate of climb demanded in ft/s for an altitude error in ft.
+    def climb_rate(self, error: float, fraction: float = 1.0) -> float:
+        """Commanded rate of climb in ft/s for an altitude error in ft.
 
-        ``share`` is that of ``hdot_max`` which is allowed upwards, negative to demand a descent.
+        ``fraction`` of ``hdot_max`` limits the climb; a negative one commands a descent.
         """
-        return min(max(self.Kh * error, -self.sink_max), share * self.hdot_max)
+        return min(max(self.Kh * error, -self.sink_max), fraction * self.hdot_max)
 
     def capture_rate(self, error: float) -> float:
         """Rate of climb in ft/s at which the capture of an altitude begins, at an error in ft.
 
-        Far away the rate falls with a constant acceleration, then in proportion to the error.
+        For a large error the deceleration is constant, for a small one the rate is proportional.
         """
         Kh = max(self.Kh, LEAST_RATE)
-        near, away = self.CAPTURE / Kh**2, abs(error)
-        rate = Kh * away
-        if away >= near:
-            rate = max(self.CAPTURE * (2.0 * away - near), 0.0) ** 0.5
+        linear, distance = self.CAPTURE / Kh**2, abs(error)
+        rate = Kh * distance
+        if distance >= linear:
+            rate = max(self.CAPTURE * (2.0 * distance - linear), 0.0) ** 0.5
         return -rate if error < 0.0 else rate
 
     def error(self, state: AltitudeState, h: float, reference: Reference) -> tuple[float, float]:
-        """Altitude found at engagement, and the altitude error, in ft."""
+        """Altitude at engagement, and the altitude error, in ft."""
         target, increment = reference
-        found = state.found if target is None and state.law.engaged else h
-        return found, (found if target is None else target) + increment - h
+        initial = state.initial if target is None and state.law.engaged else h
+        return initial, (initial if target is None else target) + increment - h
 
     def climb(
         self, law: PIDState, hdot_cmd: float, hdot: float, theta: float, cut: float = 0.0
     ) -> tuple[float, PIDState]:
         """Pitch reference for a rate of climb, and the next state of the law.
 
-        The loop continues from the pitch reference ``theta`` at engagement; ``cut`` is what was cut
-        off the last pitch reference.
+        At engagement the loop continues from the pitch reference ``theta``; ``cut`` is the last
+        pitch reference less the allowed one, for anti-windup.
         """
         if not law.engaged:
             law = PID.holding(theta)
@@ -110,9 +110,9 @@ class AltitudeLoop:
 class SpeedOnPitchLoop:
     """Rate of climb from true airspeed, as in `SpeedOnPitchHold`.
 
-    Height is exchanged for speed at the throttle as it is. At constant energy dV/dt = -g/V dh/dt,
-    so that omega and zeta are those of the airspeed for any aircraft whose rate of climb follows
-    its demand faster.
+    Height is exchanged for speed at the present throttle. At constant energy dV/dt = -g/V dh/dt, so
+    omega and zeta are those of the airspeed for any aircraft whose rate of climb follows its
+    command faster.
     """
 
     START = ReferenceLoop.START
@@ -121,7 +121,7 @@ class SpeedOnPitchLoop:
     DAMPING = 0.9
 
     def __init__(self, T: float, ramp: float, theta_min: float, theta_max: float):
-        # the path is at most as steep as the pitch angle may be
+        # limits of the path angle, taken from those of the pitch angle
         self.steepest = math.radians(theta_max), math.radians(theta_min)
         self.loop = ReferenceLoop(PID(T), ramp, -1.0)
 
@@ -131,7 +131,7 @@ class SpeedOnPitchLoop:
         vc: float,
         h: float,
         hdot: float,
-        wanted: float,
+        target: float,
         keeps: bool,
         sat: float,
         off: bool,
@@ -145,4 +145,4 @@ class SpeedOnPitchLoop:
         pid.low, pid.high = -v * up, -v * down
         if not state.law.engaged:
             state = state._replace(law=PID.holding(-hdot))
-        return self.loop.sample(state, vc, 0.0, wanted, keeps, sat, off)
+        return self.loop.sample(state, vc, 0.0, target, keeps, sat, off)

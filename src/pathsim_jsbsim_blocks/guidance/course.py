@@ -35,45 +35,44 @@ from ..errors import ParameterError
 
 __all__ = ["CourseHold"]
 
-SMOOTHING = 2.0  # s, time constant of drift angle and ground speed
-# crossover of the heading loop over that of the loop around it; 4 would be critically damped
+SMOOTHING = 2.0  # time constant of drift angle and ground speed, s
+# crossover of the heading loop over that of the cross-track loop; 4 would be critically damped
 SEPARATION = 3.5
-_SHARPEST = 120.0  # deg: turns beyond are not begun earlier than this one
+_SHARPEST = 120.0  # deg, limits the lead of a turn, which grows without bound towards 180 deg
 
 
 class _Ground(NamedTuple):
-    """Motion over the ground; the course is the heading plus a smoothed drift angle."""
+    """Motion over the ground; the course is the heading plus a smoothed drift angle.
 
-    here: Place | None = None
+    The drift angle is filtered, not the course: it changes little in a turn, so a lag does no harm.
+    """
+
+    position: Place | None = None
     drift: float = 0.0
     speed: float = 0.0
-    known: bool = False
+    valid: bool = False
 
-    def next(self, here: Place, psi: float, share: float, T: float) -> _Ground:
-        if self.here is None:
-            return _Ground(here)
-        north, east = motion(self.here, here)
+    def next(self, position: Place, psi: float, gain: float, T: float) -> _Ground:
+        if self.position is None:
+            return _Ground(position)
+        north, east = motion(self.position, position)
         speed = math.hypot(north, east) / T
         if speed == 0.0:
-            return self._replace(here=here)
+            return self._replace(position=position)
         drift = wrap(math.degrees(math.atan2(east, north)) - psi)
-        if not self.known:
-            return _Ground(here, drift, speed, True)
-        return _Ground(
-            here,
-            wrap(self.drift + share * wrap(drift - self.drift)),
-            self.speed + share * (speed - self.speed),
-            True,
-        )
+        if self.valid:
+            drift = wrap(self.drift + gain * wrap(drift - self.drift))
+            speed = self.speed + gain * (speed - self.speed)
+        return _Ground(position, drift, speed, True)
 
 
 class CourseState(NamedTuple):
-    """State of a `CourseHold`; None for what is not known yet."""
+    """State of a `CourseHold`; fields are None until they are computed."""
 
     ground: _Ground = _Ground()
-    found: float | None = None  # course at engagement, deg
+    initial: float | None = None  # course at engagement, deg
     leg: int | None = None
-    direct: GreatCircle | None = None  # leg 0
+    direct: GreatCircle | None = None  # leg 0, from the position at engagement
     lateral: LateralState = LateralState()
 
 
@@ -89,18 +88,17 @@ class CourseHold(Hold):
         |\\phi_\\mathrm{cmd}| \\le \\phi_\\mathrm{max}
 
     with the cross-track error d, the ground speed V_g, the course over the ground chi, and the roll
-    loop of ``RollHold`` inside, sampled at T. The ground track is measured, so that a wind is
-    corrected for without being known.
+    loop of ``RollHold`` inside, sampled at T. The ground track is measured, so no wind data are
+    needed.
 
-    Leg 0 leads from the position found at engagement to the first waypoint, leg k from waypoint k
-    to the next, along a great circle or an arc. A turn begins before its waypoint, so that it ends
-    on the next leg (fly-by), and with the port ``vt`` wired the wind is allowed for; or at its
-    waypoint (``fly_over``). The last leg is flown on beyond its end, or into a holding pattern,
-    whose legs are the four that follow: turn, outbound, turn, inbound.
+    Leg 0 leads from the position at engagement to the first waypoint, leg k from waypoint k to the
+    next, along a great circle or an arc. A turn begins before its waypoint, so that it ends on the
+    next leg (fly-by; with ``vt`` connected it allows for the wind), or at its waypoint
+    (``fly_over``). The last leg continues beyond its end or into a holding pattern, which has the
+    next four legs: turn, outbound, turn, inbound.
 
-    While it is off, the block keeps its leg; leg 0 then starts at the position of the next
-    engagement. To fly with an ``Autopilot``, wire ``phi_cmd`` to its ``phi_ref``, with
-    ``roll_mode`` at 1.
+    While off, the block keeps its leg; leg 0 then starts at the position of the next engagement. To
+    fly with an ``Autopilot``, connect ``phi_cmd`` to its ``phi_ref`` and set ``roll_mode`` to 1.
 
     Parameters
     ----------
@@ -111,25 +109,25 @@ class CourseHold(Hold):
     waypoints : list of (float, float), optional
         geodetic latitude and longitude of each, deg
     leg : int
-        leg that is active at the start; 1 captures the line from the first to the second waypoint
+        active leg at the start; 1 captures the line from the first to the second waypoint
     lookahead : float, optional
         time constant tau of the cross-track error in s; default 3.5 times that of the heading loop,
         V_g / (g Kp)
     intercept : float
-        largest angle at which it closes on a leg, deg
+        maximum intercept angle of a leg, deg
     %(bank)s
     %(T)s
     fly_over : list of int, optional
-        numbers of the waypoints, from 1 on, that are passed before the turn begins
+        numbers of the waypoints, from 1 on, at which the turn begins only when they are passed
     arcs : dict, optional
         {leg: (latitude, longitude, "left" or "right")}: the leg is an arc about that point, which
-        is equally far from both ends. The bank that it takes must be less than ``bank_max``: it is
-        checked at the slowest airspeed of the gains; where ground speed takes more in flight, the
-        block warns once
+        is equally far from both ends. The required bank must be less than ``bank_max``: it is
+        checked at the minimum airspeed of the gains; if the ground speed in flight requires more,
+        the block warns once
     holding : (float, str, float, float), optional
-        the pattern that is held at the last waypoint, not around a pole: inbound course in deg,
-        "left" or "right" turns, their radius (as of ``arcs``) and the length of the straight legs
-        in ft
+        holding pattern at the last waypoint, not around a pole: inbound course in deg, "left" or
+        "right" turns, their radius (limited as in ``arcs``) and the length of the straight legs in
+        ft
 
     Inputs
     ------
@@ -138,11 +136,11 @@ class CourseHold(Hold):
     psi, phi, p
         true heading and roll angle in deg, roll rate in deg/s
     chi_ref
-        deg, added to the parameter; without meaning along waypoints
+        deg, added to the parameter; ignored along waypoints
     %(ail_off)s
     %(vc)s
     vt
-        true airspeed in ft/s; without a wire (0) turns are begun as in still air
+        true airspeed in ft/s; if not connected (0), turns begin as in still air
 
     Outputs
     -------
@@ -150,7 +148,7 @@ class CourseHold(Hold):
     chi
         course over the ground in deg, [0, 360); the heading at the first sample
     chi_cmd
-        course demanded, deg, [0, 360)
+        commanded course, deg, [0, 360)
     across
         cross-track error in ft, positive to the right of the leg; 0 without waypoints
     to_go
@@ -187,12 +185,11 @@ class CourseHold(Hold):
             refuse(
                 "chi_ref",
                 self.chi_ref,
-                "give a course or waypoints, not both: along waypoints the course is that of the "
-                "leg",
+                "set chi_ref or waypoints, not both: along waypoints the legs give the course",
             )
         self.heading, self.roll = self.lateral_loops()
         self._refuse_tight_arcs()
-        self._share = -math.expm1(-T / SMOOTHING)
+        self._gain = -math.expm1(-T / SMOOTHING)
         self._centripetal = GRAVITY * math.tan(math.radians(c.bank_max))
 
     START = CourseState()
@@ -200,35 +197,35 @@ class CourseHold(Hold):
 
     def law(self, u: list[float], state: CourseState) -> tuple[list[float], CourseState]:
         lat, lon, psi, phi, p, chi_ref, off, ail_sat, vc, vt = u[:10]
-        ground, found, leg, direct, lateral = state
+        ground, initial, leg, direct, lateral = state
         leg = self._route.start if leg is None else leg
-        here = place(lat, lon)
-        ground = ground.next(here, psi, self._share, self.clock.period)
+        position = place(lat, lon)
+        ground = ground.next(position, psi, self._gain, self.clock.period)
         self.retune(vc)
         chi = (psi + ground.drift) % 360.0
-        # the course is known from the second sample on
-        engaged = not off and ground.known
+        # the course is the difference of two positions, so the first sample has none
+        engaged = not off and ground.valid
 
         across = to_go = bend = 0.0
         if self._route.waypoints:
-            leg, direct, track = self._along(here, chi, ground, vt, leg, direct, engaged)
+            leg, direct, track = self._along(position, chi, ground, vt, leg, direct, engaged)
             across, to_go = track.across, track.to_go
             tau = self._checked.lookahead or SEPARATION * self.heading.lag(ground.speed)
             closing = math.degrees(math.atan2(across, max(tau * ground.speed, 1.0)))
-            most = self._checked.intercept
-            target = track.course - clip(closing, -most, most)
+            limit = self._checked.intercept
+            target = track.course - clip(closing, -limit, limit)
             bend = self._route.bank(leg, ground)
             if engaged and abs(bend) > self._checked.bank_max and not self._warned_of_bank:
                 self._warn_of_bank(bend, leg, ground.speed)
         else:
-            found = found if engaged and found is not None else chi
-            target = (found if self._chi_ref is None else self._chi_ref) + chi_ref
+            initial = initial if engaged and initial is not None else chi
+            target = (initial if self._chi_ref is None else self._chi_ref) + chi_ref
         if not engaged:
-            found = None
+            initial = None
 
         bank, heading = self.heading.sample(lateral.heading, chi, (target, 0.0), not engaged)
         bank, keeps = clip(bank + bend, -self._checked.bank_max, self._checked.bank_max), False
-        if not ground.known:
+        if not ground.valid:
             bank, keeps = self.roll.towards(lateral.roll, phi, (None, 0.0))
         aileron, phi_cmd, roll = self.roll.sample(
             lateral.roll, phi, p, bank, keeps, ail_sat, off != 0.0
@@ -236,39 +233,39 @@ class CourseHold(Hold):
         chi_cmd = target % 360.0 if engaged else chi
         return (
             [aileron, phi_cmd, chi, chi_cmd, across, to_go, float(leg)],
-            CourseState(ground, found, leg, direct, LateralState(heading, roll)),
+            CourseState(ground, initial, leg, direct, LateralState(heading, roll)),
         )
 
     def _refuse_tight_arcs(self) -> None:
-        """Refuse radii that take more than the largest bank at any airspeed of the gains."""
-        speed, most = slowest(self.gains), self._checked.bank_max
+        """Refuse radii that require more than the maximum bank at all airspeeds of the gains."""
+        speed, bank_max = slowest(self.gains), self._checked.bank_max
         for leg, arc in enumerate(self._route.legs, 1):
             if speed is None or not isinstance(arc, Arc):
                 continue
             bank = math.degrees(math.atan2(speed**2, GRAVITY * arc.radius))
-            if bank > most:
+            if bank > bank_max:
                 name = "arcs" if leg <= self._route.last else "holding"
-                least = speed**2 / (GRAVITY * math.tan(math.radians(most)))
+                minimum = speed**2 / (GRAVITY * math.tan(math.radians(bank_max)))
                 refuse(
                     name,
                     getattr(self, name),
-                    f"{name}: a radius of {arc.radius:.0f} ft takes {bank:.0f} deg of bank at "
-                    f"{speed / KNOT:.0f} kt true, the slowest of the gains; with bank_max "
-                    f"{most:g} it is at least {least:.0f} ft",
+                    f"{name}: a radius of {arc.radius:.0f} ft requires {bank:.0f} deg of bank at "
+                    f"{speed / KNOT:.0f} kt true, the minimum of the gains; with bank_max "
+                    f"{bank_max:g} the minimum radius is {minimum:.0f} ft",
                 )
 
     def _warn_of_bank(self, bank: float, leg: int, speed: float) -> None:
-        """Warn once where the wind makes an arc too tight."""
+        """Warn once if the wind makes an arc too tight."""
         self._warned_of_bank = True
         warn_user(
-            f"CourseHold: the arc of leg {leg} takes {abs(bank):.0f} deg of bank at "
+            f"CourseHold: the arc of leg {leg} requires {abs(bank):.0f} deg of bank at "
             f"{speed / KNOT:.0f} kt over the ground, more than bank_max "
-            f"{self._checked.bank_max:g}: the aircraft leaves it"
+            f"{self._checked.bank_max:g}: the aircraft drifts off it"
         )
 
     def _along(
         self,
-        here: Place,
+        position: Place,
         chi: float,
         ground: _Ground,
         vt: float,
@@ -276,31 +273,31 @@ class CourseHold(Hold):
         direct: GreatCircle | None,
         engaged: bool,
     ) -> tuple[int, GreatCircle | None, CrossTrack]:
-        """Active leg, leg 0 once it is engaged, and where the aircraft is on the active one."""
+        """Active leg, leg 0 once engaged, and the aircraft's position along the active one."""
         route = self._route
         leg = min(leg, len(route.legs))
         if leg == 0:
             first = route.waypoints[0]
-            direct = direct if engaged and direct else circle_through(here, first)
+            direct = direct if engaged and direct else circle_through(position, first)
             if direct is None and route.legs:
                 leg = 1
         circle = route.legs[leg - 1] if leg else direct
         if circle is None:  # at the only waypoint
             return leg, None, CrossTrack(0.0, 0.0, chi)
-        track = circle.track_at(here)
+        track = circle.track_at(position)
         after = route.after(leg)
         if engaged and after and track.to_go <= self._ahead(ground, vt, leg, after, track.course):
             leg = after
-            track = route.legs[leg - 1].track_at(here)
+            track = route.legs[leg - 1].track_at(position)
         return leg, direct, track
 
     def _ahead(self, ground: _Ground, vt: float, leg: int, after: int, course: float) -> float:
         """Distance before a waypoint at which the turn begins, ft.
 
-        A turn at the largest bank and the true airspeed, carried along by the wind, ends on the
-        next leg; rolling into it and out of it takes time.
+        The turn is flown at the maximum bank and the true airspeed, drifts with the wind, and ends
+        on the next leg; the distance of half the time to roll in and out is added.
         """
-        route, most = self._route, self._checked.bank_max
+        route, bank_max = self._route, self._checked.bank_max
         if leg + 1 in route.fly_over:
             return 0.0
         speed, drift = ground.speed, ground.drift if vt else 0.0
@@ -310,7 +307,7 @@ class CourseHold(Hold):
         heading = chi - math.radians(drift)
         north = speed * math.cos(chi) - vt * math.cos(heading)
         east = speed * math.sin(chi) - vt * math.sin(heading)
-        # the heading on the next leg
+        # the heading with which the wind is corrected for on the next leg
         aside = east * math.cos(new) - north * math.sin(new)
         settled = new - math.asin(min(max(aside / max(vt, 1.0), -1.0), 1.0))
         radius = vt * vt / self._centripetal
@@ -319,13 +316,13 @@ class CourseHold(Hold):
         north = side * radius * (math.sin(settled) - math.sin(heading)) + north * seconds
         east = side * radius * (math.cos(heading) - math.cos(settled)) + east * seconds
         ends = (north * math.sin(new) - east * math.cos(new)) * side
-        lead = min(turn / most, 1.0) * (most / self._roll + self.heading.lag(speed))
+        lead = min(turn / bank_max, 1.0) * (bank_max / self._roll + self.heading.lag(speed))
         lead += abs(route.bank(after, ground) - route.bank(leg, ground)) / self._roll
         return ends / max(math.sin(math.radians(turn)), 1e-3) + lead * speed / 2
 
     @property
     def _roll(self) -> float:
-        """Largest rate of the bank reference, deg/s."""
+        """Maximum rate of the bank reference, deg/s."""
         return self.roll.ramp
 
 
@@ -353,10 +350,10 @@ class _Route:
         if holding is not None:
             corners = self._pattern(holding, points)
             starts += corners
-            # the first time, from any course
+            # the pattern may be entered from any course, so no turn is anticipated
             self.fly_over.add(self.last + 1)
         self.courses = [
-            leg.track_at(here).course for leg, here in zip(self.legs, starts, strict=True)
+            leg.track_at(start).course for leg, start in zip(self.legs, starts, strict=True)
         ]
         self.start = integer("leg", leg, low=0)
         if self.start > self.last:
@@ -368,13 +365,13 @@ class _Route:
             )
 
     def after(self, leg: int) -> int:
-        """The leg after one; 0 for none. The holding pattern is flown again."""
+        """The leg after another, or 0 at the end. The holding pattern repeats."""
         if leg < len(self.legs):
             return leg + 1
         return self.last + 1 if len(self.legs) > self.last else 0
 
     def bank(self, leg: int, ground: _Ground) -> float:
-        """Bank in deg that the curvature of a leg takes at a ground speed."""
+        """Bank in deg required by the curvature of a leg at a ground speed."""
         arc = self.legs[leg - 1] if leg else None
         if not isinstance(arc, Arc):
             return 0.0
@@ -393,12 +390,12 @@ class _Route:
         return arc
 
     def _pattern(self, holding: Any, points: Any) -> list[Place]:
-        """Add the legs of the holding pattern; the places where they begin."""
+        """Add the legs of the holding pattern; returns their starting points."""
         if not isinstance(holding, (list, tuple)) or len(holding) != 4 or not points:
             refuse(
                 "holding",
                 holding,
-                "holding takes waypoints and is (course in deg, side, radius in ft, length in ft), "
+                "holding must be (course in deg, side, radius in ft, length in ft) with waypoints, "
                 f"not {holding!r}",
             )
         course, side = heading("holding", holding[0]), _side("holding", holding[1])
@@ -439,5 +436,5 @@ def _numbered(parameter: str, value: Any, last: int) -> dict[int, Any]:
         refuse(parameter, value, f"{parameter} must have numbers from 1 to {last}, not {value!r}")
     for key in value or {}:
         if integer(parameter, key, low=1) > last:
-            refuse(parameter, value, f"{parameter}: there is no number {key!r}, only up to {last}")
+            refuse(parameter, value, f"{parameter}: number {key!r} must be from 1 to {last}")
     return value or {}

@@ -22,79 +22,79 @@ from .vertical import Motion, Vertical, VerticalState
 
 __all__ = ["FlareHold"]
 
-_TREND = 2.0  # s, time constant of the acceleration
+_TREND = 2.0  # time constant of the acceleration, s
 
-_STEEPEST = -10.0  # deg, pitch reference
-# rad/s, of the rate of climb, and of Kp / Kr of the pitch loop, about its bandwidth
+_STEEPEST = -10.0  # minimum pitch reference, deg
+# maximum bandwidth of the rate of climb, rad/s, and as a fraction of the pitch loop's, Kp / Kr
 _BANDWIDTH, _OF_PITCH = 1.0, 0.3
-_LIFT_SLOPE = 4.0  # g per rad of alpha; V over g times this is the lag of hdot behind the pitch
-_DAMPING = 0.22  # of that lag, gain on the rate of the error
-_SMOOTH = 0.2  # s, time constant of that rate
-_GUST = 0.2  # s, time constant of vertical gusts; the pitch angle follows no faster
-_RAMP = 15.0  # deg/s, of the pitch reference
-_PULL = 8.0  # ft/s2, of the rate of climb demanded
-_TRADE = 0.1  # 1/s, with which a go-around regains its airspeed
-_FASTER = 1.1  # of that airspeed, beyond which it climbs faster
-_KEEP = 1.0  # deg of bank per deg of heading, in a go-around
-_ACROSS = 45.0  # deg, of the heading off the course
-_TRACKING = 0.4  # rad/s, natural frequency of the distance from the centre line in the flare
-_DECRAB = 3.0  # s before the touchdown
-_YAW = 3.0  # deg/s, of the heading reference
-_YAW_DAMPING = 0.5  # s
-_RUDDER = 1.0  # 1/s, of the rudder
-_IDLE = 0.2  # 1/s, of the throttle
-_BALLOON = 10.0  # ft, climb in the flare that begins a go-around
-_HOP = 1.0  # ft, height of the wheels from which a bounce is flown
-_CLIMBS = 100.0  # ft, below which a go-around does not lower its nose
-_CLEAR = 30.0  # ft, height above which no tail strikes
-_LOWER = 2.0  # deg/s, of the nose in the roll-out
-_TURN = 0.3  # 1/s, of the integral of the course over the ground in the roll-out
-_STEER = 0.25  # 1/s, of the distance from the centre line in the roll-out
-_BRAKE = 0.25  # 1/s
-# ft/s, below which the brakes ease: they would tip an aircraft that the wind pushes back
+_LIFT_SLOPE = 4.0  # lift-curve slope, g/rad; V / (g times this) is the lag of hdot behind pitch
+_DAMPING = 0.22  # gain on the rate of the error, as a fraction of that lag
+_SMOOTH = 0.2  # time constant of that rate, s
+_GUST = 0.2  # time constant of vertical gusts, s; the pitch angle follows no faster
+_RAMP = 15.0  # rate of the pitch reference, deg/s
+_PULL = 8.0  # rate of the commanded rate of climb, ft/s2
+_TRADE = 0.1  # rate at which a go-around regains its airspeed, 1/s
+_FASTER = 1.1  # fraction of that airspeed above which a go-around climbs faster
+_KEEP = 1.0  # bank per heading error in a go-around, deg/deg
+_ACROSS = 45.0  # heading error from the course that begins a go-around, deg
+_TRACKING = 0.4  # natural frequency of the distance from the centre line in the flare, rad/s
+_DECRAB = 3.0  # time before the touchdown, s
+_YAW = 3.0  # rate of the heading reference, deg/s
+_YAW_DAMPING = 0.5  # yaw rate gain over that of the heading error, s
+_RUDDER = 1.0  # rate of the rudder, 1/s
+_IDLE = 0.2  # rate of the throttle towards idle, 1/s
+_BALLOON = 10.0  # climb in the flare that begins a go-around, ft
+_HOP = 1.0  # height of the wheels above which a bounce is flared again, ft
+_CLIMBS = 100.0  # height below which a go-around does not lower the nose, ft
+_CLEAR = 30.0  # height above which no tail strike is possible, ft
+_LOWER = 2.0  # rate at which the nose is lowered in the roll-out, deg/s
+_TURN = 0.3  # integral gain of the course over the ground in the roll-out, 1/s
+_STEER = 0.25  # gain of the distance from the centre line in the roll-out, 1/s
+_BRAKE = 0.25  # rate of the brakes, 1/s
+# ft/s; brakes are released below it, as they could tip an aircraft that the wind pushes back
 _STOPS = 20.0
 
 
 class FlareState(NamedTuple):
-    """State of a `FlareHold`; what is not known yet follows from the first active sample."""
+    """State of a `FlareHold`; the first active sample sets references and estimates."""
 
     vertical: VerticalState = Vertical.START
     lateral: LateralState = LateralState()
     beam: BeamState = BeamState()
     phase: float = 0.0
-    integral: float = 0.0  # of the climb law, deg
+    integral: float = 0.0  # integral of the climb law, deg
     hdot_cmd: float = 0.0
     hdot: float = 0.0
     lift: float = 0.0  # rate of hdot, ft/s2, smoothed
-    theta: float = 0.0  # reference of the roll-out, deg
-    lowest: float = 0.0  # pitch reference in the flare: that at its beginning, deg
-    psi: float = 0.0  # reference of the heading, deg
+    theta: float = 0.0  # pitch reference of the roll-out, deg
+    lowest: float = 0.0  # minimum pitch reference: the pitch angle at the start of the phase, deg
+    psi: float = 0.0  # heading reference, deg
     rudder: float = 0.0
-    turn: float = 0.0  # integral of the course over the ground, on the wheels
+    turn: float = 0.0  # integral of the course error over the ground in the roll-out
     throttle: float = 0.0
     brakes: float = 0.0
     v: float = 0.0  # airspeed, ft/s
-    acceleration: float = 0.0  # smoothed
-    kept: float = 0.0  # airspeed at the beginning of a go-around, ft/s
-    gust: float = 0.0  # air that sinks, ft/s, smoothed
+    acceleration: float = 0.0  # ft/s2, smoothed
+    v_ref: float = 0.0  # airspeed at touchdown or at the start of a go-around, ft/s
+    gust: float = 0.0  # sink rate of the air, ft/s, smoothed
     floated: float = 0.0  # length of the flare over the ground, ft
-    least: float = 0.0  # height reached in the flare, ft
+    least: float = 0.0  # minimum height in the flare, ft
 
 
 APPROACH, FLARE, ROLL_OUT, GO_AROUND = 0.0, 1.0, 2.0, 3.0
 
 
-class Seen(NamedTuple):
-    """What a `FlareHold` measures and is told at a sample, in the units of its ports."""
+class FlareInputs(NamedTuple):
+    """Inputs of a `FlareHold` at one sample, in the units of its ports."""
 
-    height: float  # of the wheels
+    height: float  # height of the wheels
     hdot: float
     theta: float
     alpha: float
     psi: float
     r: float
     vc: float
-    given: list[float]  # commands of the approach
+    approach: list[float]  # commands of the approach
     down: bool
     go_around: bool
     off: bool
@@ -112,35 +112,35 @@ class FlareHold(GuidedHold):
         e &= \\dot h_\\mathrm{cmd} - \\dot h, \\quad w = V (\\theta - \\alpha) - \\dot h
 
     with the height h_w of the wheels above the runway, and the pitch and roll loops of
-    ``PitchHold`` and ``RollHold`` inside, sampled at T. The vertical gust w is known from the angle
-    of attack, with the port ``alpha`` wired; theta_0 grows as the airspeed falls.
+    ``PitchHold`` and ``RollHold`` inside, sampled at T. The vertical gust w follows from the angle
+    of attack, with ``alpha`` connected; theta_0 grows as the airspeed falls.
 
-    It stands between the holds of the approach and the aircraft: the ports ``elevator`` to
-    ``throttle`` are theirs, and pass through until the flare begins, where the law above asks for
-    no more sink than there is. It takes over without a bump.
+    Connect it between the holds of the approach and the aircraft: the ports ``elevator`` to
+    ``throttle`` pass the commands of the approach through until the flare begins, when the law
+    above commands no more than the present sink rate. The transition is bumpless.
 
     In the flare the throttle moves to idle, the rudder turns the nose to the runway's course, and a
-    bank of at most ``bank_max`` keeps the aircraft on the centre line. Of a sink that has ended
-    earlier than the law above asks, half is asked for again, and the nose is never lower than at
-    the beginning. The bandwidth omega is at most 1 rad/s, and 0.3 Kp / Kr of the pitch loop; below
-    the airspeeds that the gains are for it falls with the square of the airspeed. With the wheels
-    on the ground it lowers the nose, steers along the centre line with nose wheel and rudder, and
-    brakes; the brakes ease to none at the stop. The approach's rudder is left out. A bounce is
+    bank of at most ``bank_max`` keeps the aircraft on the centre line. If the sink rate is arrested
+    early, half of it is commanded again, and the nose is never lower than at the start of the
+    flare. The bandwidth omega is at most 1 rad/s, and 0.3 Kp / Kr of the pitch loop; below the
+    airspeed range of the gains it decreases with the square of the airspeed. With the wheels on the
+    ground it lowers the nose, steers along the centre line with nose wheel and rudder, and brakes;
+    the brakes are released as the aircraft stops. The approach's rudder is ignored. A bounce is
     flared again.
 
-    A go-around, at any height and on the ground too, applies full throttle, keeps the heading with
-    a bank of at most ``bank_max``, and climbs at ``climb``: less where that costs airspeed, more
-    where the airspeed is 10 % higher than at the beginning. Below 100 ft the nose is never lower
-    than at its beginning, unless the angle of attack is at its limit. On the ground it is raised at
-    the airspeed of the touchdown.
+    A go-around, at any height and on the ground too, applies full throttle, holds the heading with
+    a bank of at most ``bank_max``, and climbs at ``climb``: less if that costs airspeed, more if
+    the airspeed is 10 % higher than at its start. Below 100 ft the nose is never lower than at its
+    start, unless the angle of attack is at its maximum. On the ground the nose is raised at the
+    airspeed of the touchdown.
 
-    Gains with which no landings were flown warn once when the block is made, as do those with which
-    an aircraft lands in some flares only, with the reason.
+    A warning is given once when the block is built with gains with which no landings were flown, or
+    with which the aircraft lands only in some flares, with the reason.
 
-    It begins by itself where, below the height ``decide``, the aircraft is more than ``across_max``
-    beside the centre line or heads more than 45 deg off ``course``, where the flare would begin at
-    more than ``sink_max``, where it is longer than ``float_max``, and where it climbs by 10 ft, in
-    a bounce too.
+    A go-around begins automatically if, below the height ``decide``, the aircraft is more than
+    ``across_max`` from the centre line or its heading more than 45 deg off ``course``, if the flare
+    would begin at more than ``sink_max``, if it is longer than ``float_max``, and if the aircraft
+    climbs by 10 ft in it or in a bounce.
 
     Parameters
     ----------
@@ -150,32 +150,32 @@ class FlareHold(GuidedHold):
     course : float
         true course of the runway, deg
     gear_height : float
-        the port ``h_agl`` with the wheels on the ground, ft
+        value of ``h_agl`` with the wheels on the ground, ft
     sink : float
-        sink rate of the touchdown that the flare aims at, ft/s
+        target sink rate at touchdown, ft/s
     tau : float
         time constant of the flare, s
     bank_max : float
-        largest bank in the flare and in a go-around, deg
+        maximum bank in the flare and in a go-around, deg
     align : float
-        rudder per heading error in the flare and on the ground, 1/deg; it grows as the roll-out
-        slows down. 0 lands with the crab angle, and does not steer
+        rudder per heading error in the flare and on the ground, 1/deg; it increases as the aircraft
+        slows down in the roll-out. With 0 it lands with the crab angle and does not steer
     climb : float
         rate of climb of the go-around, ft/s
     decide : float
-        height below which it goes around by itself, ft
+        height below which it goes around automatically, ft
     across_max : float
-        largest distance from the centre line there, ft
+        maximum distance from the centre line below that height, ft
     sink_max : float
-        largest sink rate at which the flare begins, ft/s
+        maximum sink rate at which the flare begins, ft/s
     float_max : float
-        largest length of the flare over the ground, ft
+        maximum length of the flare over the ground, ft
     authority : float or pair
-        largest increment of elevator and ailerons, of full travel
+        maximum increment of elevator and ailerons, of full travel
     %(T)s
     %(alpha_max)s
     theta_max : float
-        highest pitch reference up to 30 ft, deg: below the angle at which the tail strikes
+        maximum pitch reference up to 30 ft, deg: below the angle of a tail strike
 
     Inputs
     ------
@@ -190,12 +190,12 @@ class FlareHold(GuidedHold):
     elevator, aileron, rudder, throttle
         commands of the approach, passed through until the flare
     wow
-        not 0 with a wheel on the ground
+        not 0 if a wheel is on the ground
     go_around
         not 0 begins a go-around
     alpha
-        angle of attack in deg; without a wire (0) vertical gusts are not countered, and there is no
-        protection from the stall, which ends on the wheels
+        angle of attack in deg; if not connected (0), vertical gusts are not corrected for and there
+        is no stall protection. On the wheels the protection ends
     off
         0 engaged; otherwise the approach's commands pass through, and a landing or go-around is
         over: the next approach begins
@@ -211,7 +211,7 @@ class FlareHold(GuidedHold):
     theta_cmd, phi_cmd
         pitch and bank reference, deg
     hdot_cmd
-        rate of climb demanded, ft/s
+        commanded rate of climb, ft/s
 
     %(raises)s
     """
@@ -262,44 +262,45 @@ class FlareHold(GuidedHold):
         if table:
             self._slowest = min(point.speed for point in table.points)
         if table and (table.no_landing or not table.landing):
-            none = f"no landings were flown with these gains of the {table.aircraft}, for "
-            none += f"{self._slowest:.0f} KCAS and more; below, the controls have less effect"
-            self._warn_once("gains", "{}", table.no_landing or none)
+            text = f"no landings were flown with these gains of the {table.aircraft}, for "
+            text += f"{self._slowest:.0f} KCAS and more; below, the controls are less effective"
+            self._warn_once("gains", "{}", table.no_landing or text)
 
     def law(self, u: list[float], state: FlareState) -> tuple[list[float], FlareState]:
-        h, hdot, theta, q, psi, phi, p, r, vc, ft, dist, *given, wow, go_around, alpha, off = u[:19]
+        h, hdot, theta, q, psi, phi, p, r, vc, ft, dist = u[:11]
+        *approach, wow, go_around, alpha, off = u[11:19]
         self.retune(vc)
         beam, *_ = state.beam.next(ft, dist, self.clock.period, 0.5)
         height, switches = h - self._checked.gear_height, (wow != 0.0, go_around != 0.0, off != 0.0)
-        seen = Seen(height, hdot, theta, alpha, psi, r, vc, given, *switches)
+        now = FlareInputs(height, hdot, theta, alpha, psi, r, vc, approach, *switches)
         before = state.phase
-        state = self._in_air(self._phase(state._replace(beam=beam), seen), seen)
+        state = self._in_air(self._phase(state._replace(beam=beam), now), now)
         if before == APPROACH:
-            state = self._taken_over(state, seen)
+            state = self._taken_over(state, now)
         if state.phase != before or before == APPROACH:
-            state = self._begun(state, seen)
-        slow = state.phase == GO_AROUND and seen.down and state.v < state.kept
+            state = self._begun(state, now)
+        slow = state.phase == GO_AROUND and now.down and state.v < state.v_ref
         rolls = state.phase == ROLL_OUT or slow
 
-        vertical, now = self.vertical, Motion(theta, q, h, hdot, vc, alpha)
-        allowed, guard = vertical.guard(state.vertical, now, 0.0, full_throttle=True)
-        if rolls and seen.down:
-            # on the wheels an angle of attack shows no stall
+        vertical, motion = self.vertical, Motion(theta, q, h, hdot, vc, alpha)
+        allowed, guard = vertical.guard(state.vertical, motion, 0.0, full_throttle=True)
+        if rolls and now.down:
+            # on the wheels the angle of attack is that of the ground attitude
             allowed = allowed._replace(theta_max=math.inf)
-        # after `retune`: the flare is flown faster than a climb
+        # set after `retune`, because the flare requires a faster pitch reference than a climb
         vertical.pitch.ramp, vertical.pitch.pid.b = _RAMP, 1.0
-        wanted, state = self._pitch(state, seen, rolls)
-        elevator, theta_cmd, pitch, cut = vertical.fly(state.vertical, now, allowed, wanted)
+        target, state = self._pitch(state, now, rolls)
+        elevator, theta_cmd, pitch, cut = vertical.fly(state.vertical, motion, allowed, target)
         bank = self._bank(state, psi)
         aileron, phi_cmd, roll = self.roll.sample(
             state.lateral.roll, phi, p, bank, False, 0.0, False
         )
-        steering, state = self._yaw(state, seen, rolls)
-        throttle, brakes = self._power(state, seen.down)
+        steering, state = self._yaw(state, now, rolls)
+        throttle, brakes = self._power(state, now.down)
 
         outputs = [elevator, aileron, state.rudder, throttle, brakes, steering]
         if state.phase == APPROACH:
-            outputs = [*given, 0.0, 0.0]
+            outputs = [*approach, 0.0, 0.0]
         state = state._replace(
             vertical=state.vertical._replace(pitch=pitch, guard=guard, cut=cut),
             lateral=state.lateral._replace(roll=roll),
@@ -309,20 +310,20 @@ class FlareHold(GuidedHold):
         return [*outputs, state.phase, theta_cmd, phi_cmd, state.hdot_cmd], state
 
     def _steepest(self, height: float) -> float:
-        """Lowest rate of climb of the flare at a height, ft/s."""
+        """Minimum rate of climb of the flare at a height, ft/s."""
         return min(-height / self._checked.tau, 0.0) - self._checked.sink
 
-    def _phase(self, state: FlareState, seen: Seen) -> FlareState:
-        """The state in the phase that begins or goes on."""
+    def _phase(self, state: FlareState, now: FlareInputs) -> FlareState:
+        """The state in the present or the next phase."""
         c, before, phase = self._checked, state.phase, state.phase
-        height, hdot = seen.height, seen.hdot
-        across = abs(wrap(seen.psi - c.course)) > _ACROSS
+        height, hdot = now.height, now.hdot
+        across = abs(wrap(now.psi - c.course)) > _ACROSS
         low = hdot <= self._steepest(height) or height <= c.sink * c.tau
         if phase == APPROACH and low:
             phase = FLARE
-        if phase == FLARE and seen.down:
+        if phase == FLARE and now.down:
             phase = ROLL_OUT
-        elif phase == ROLL_OUT and not seen.down and height > _HOP:
+        elif phase == ROLL_OUT and not now.down and height > _HOP:
             phase = FLARE
         floated, least = state.floated, height
         if before == FLARE:
@@ -334,64 +335,64 @@ class FlareHold(GuidedHold):
             or floated > c.float_max
             or height > least + _BALLOON
         )
-        if seen.go_around or (phase < ROLL_OUT and astray):
+        if now.go_around or (phase < ROLL_OUT and astray):
             phase = GO_AROUND
-        if seen.off:
+        if now.off:
             phase, floated = APPROACH, 0.0
         return state._replace(phase=phase, floated=floated, least=least)
 
-    def _in_air(self, state: FlareState, seen: Seen) -> FlareState:
+    def _in_air(self, state: FlareState, now: FlareInputs) -> FlareState:
         """The state with the airspeed and the vertical gust of the sample."""
         T, first = self.clock.period, state.v == 0.0
-        v = max(seen.vc * KNOT, SLOWEST)
+        v = max(now.vc * KNOT, SLOWEST)
         gained = 0.0 if first else v - state.v
         acceleration = state.acceleration
         acceleration += -math.expm1(-T / _TREND) * (gained / T - acceleration)
         gust = 0.0
-        if seen.alpha != 0.0:
-            # what the aircraft climbs through the air less what it climbs
-            sinks = v / DEGREES * (seen.theta - seen.alpha) - seen.hdot
-            share = 1.0 if first else -math.expm1(-T / _GUST)
-            gust = state.gust + share * (sinks - state.gust)
+        if now.alpha != 0.0:
+            # rate of climb through the air less rate of climb
+            sink = v / DEGREES * (now.theta - now.alpha) - now.hdot
+            gain = 1.0 if first else -math.expm1(-T / _GUST)
+            gust = state.gust + gain * (sink - state.gust)
         integral = state.integral
         if state.phase != GO_AROUND:
-            # the same lift takes an angle of attack inverse to the square of the airspeed
+            # the same lift requires an angle of attack inverse to the square of the airspeed
             integral -= 2.0 * DEGREES / _LIFT_SLOPE * gained / v
         return state._replace(
             v=v,
             acceleration=acceleration,
             gust=gust,
             integral=integral,
-            kept=state.kept if state.phase >= ROLL_OUT else v,
+            v_ref=state.v_ref if state.phase >= ROLL_OUT else v,
         )
 
-    def _taken_over(self, state: FlareState, seen: Seen) -> FlareState:
-        """The state that goes on from the commands of the approach."""
-        elevator, aileron, rudder, throttle = seen.given
+    def _taken_over(self, state: FlareState, now: FlareInputs) -> FlareState:
+        """The state that continues from the commands of the approach."""
+        elevator, aileron, rudder, throttle = now.approach
         return state._replace(
             vertical=state.vertical._replace(pitch=ReferenceState(law=PID.holding(-elevator))),
             lateral=state.lateral._replace(roll=ReferenceState(law=PID.holding(aileron))),
-            lowest=seen.theta,
-            kept=state.v,
-            psi=seen.psi,
+            lowest=now.theta,
+            v_ref=state.v,
+            psi=now.psi,
             rudder=rudder,
             throttle=throttle,
         )
 
-    def _begun(self, state: FlareState, seen: Seen) -> FlareState:
+    def _begun(self, state: FlareState, now: FlareInputs) -> FlareState:
         """The state of a phase that begins at the present pitch angle and rate of climb."""
-        goes = state.phase == GO_AROUND
+        climbs = state.phase == GO_AROUND
         return state._replace(
-            integral=seen.theta - DEGREES * (seen.hdot + state.gust) / state.v,
-            hdot_cmd=seen.hdot,
-            theta=seen.theta,
-            lowest=seen.theta if goes else state.lowest,
+            integral=now.theta - DEGREES * (now.hdot + state.gust) / state.v,
+            hdot_cmd=now.hdot,
+            theta=now.theta,
+            lowest=now.theta if climbs else state.lowest,
         )
 
     def _bandwidth(self, v: float) -> float:
-        """Of the rate of climb in rad/s, at an airspeed in ft/s: the pitch loop must follow.
+        """Bandwidth of the rate of climb in rad/s at an airspeed in ft/s: the pitch loop limits it.
 
-        Below the slowest point of the gains the elevator has less effect than they reckon with.
+        Below the minimum airspeed of the gains the elevator is less effective than in their design.
         """
         pitch = self.vertical.pitch.pid
         if pitch.Kr <= 0.0:
@@ -399,17 +400,17 @@ class FlareHold(GuidedHold):
         slower = min(v / max(KNOT * self._slowest, 1.0), 1.0)
         return min(_BANDWIDTH, _OF_PITCH * pitch.Kp / pitch.Kr * slower**2)
 
-    def _pitch(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, FlareState]:
+    def _pitch(self, state: FlareState, now: FlareInputs, rolls: bool) -> tuple[float, FlareState]:
         """Pitch angle of the phase, and the next state."""
-        c, T, v, height, hdot = self._checked, self.clock.period, state.v, seen.height, seen.hdot
-        goes, steepest = state.phase == GO_AROUND, self._steepest(height)
-        if goes:
-            # the rate of climb at which the airspeed comes back to what it was
-            spare = hdot + v / GRAVITY * (state.acceleration + _TRADE * (v - state.kept))
-            fast = spare - v / GRAVITY * _TRADE * (_FASTER - 1.0) * state.kept
+        c, T, v, height, hdot = self._checked, self.clock.period, state.v, now.height, now.hdot
+        climbs, steepest = state.phase == GO_AROUND, self._steepest(height)
+        if climbs:
+            # the rate of climb that regains the airspeed at the start of the go-around
+            spare = hdot + v / GRAVITY * (state.acceleration + _TRADE * (v - state.v_ref))
+            fast = spare - v / GRAVITY * _TRADE * (_FASTER - 1.0) * state.v_ref
             target = clip(spare, 0.3 * c.climb, max(fast, c.climb))
         else:
-            # of a sink that ended early half is asked for again
+            # the upper limit commands half of the sink again if it was arrested early
             target = clip(hdot, steepest, 0.5 * (steepest - c.sink))
         step = clip(target - state.hdot_cmd, -_PULL * T, _PULL * T)
         hdot_cmd = state.hdot_cmd + step
@@ -417,31 +418,31 @@ class FlareHold(GuidedHold):
         if state.hdot != 0.0:
             lift += -math.expm1(-T / _SMOOTH) * ((hdot - state.hdot) / T - lift)
         lag = v / (GRAVITY * _LIFT_SLOPE)
-        ahead = hdot_cmd + state.gust
-        if not goes and hdot < steepest:
-            ahead += lag * -hdot / c.tau
+        feed = hdot_cmd + state.gust
+        if not climbs and hdot < steepest:
+            feed += lag * -hdot / c.tau
         bandwidth = self._bandwidth(v)
-        ahead += lag * (bandwidth * error + _DAMPING * (step / T - lift))
-        asked = state.integral + DEGREES / v * ahead
+        feed += lag * (bandwidth * error + _DAMPING * (step / T - lift))
+        command = state.integral + DEGREES / v * feed
         altitude, highest = self.vertical.altitude, c.theta_max
         lowest = min(state.lowest, c.theta_max)
-        if goes and height > _CLEAR:
+        if climbs and height > _CLEAR:
             highest = altitude.theta_max
-        if goes and height > _CLIMBS:
+        if climbs and height > _CLIMBS:
             lowest = altitude.pid.low
-        # at its stop the elevator does not follow any further
+        # anti-windup: a reference beyond a saturated elevator would have to return first
         pitch, loop = state.vertical.pitch, self.vertical.pitch.pid
         if pitch.law.u >= loop.high:
             highest = min(highest, pitch.reference)
         elif pitch.law.u <= loop.low:
             lowest = max(lowest, pitch.reference)
-        theta = min(max(asked, lowest), highest)
-        gained = bandwidth * T * (DEGREES / v * error + theta - asked)
+        theta = min(max(command, lowest), highest)
+        change = bandwidth * T * (DEGREES / v * error + theta - command)
         if rolls:
             hdot_cmd = hdot
-            theta = max(state.theta - (_LOWER * T if seen.down else 0.0), min(state.theta, 0.0))
+            theta = max(state.theta - (_LOWER * T if now.down else 0.0), min(state.theta, 0.0))
         return theta, state._replace(
-            integral=state.integral + gained,
+            integral=state.integral + change,
             hdot_cmd=hdot_cmd,
             theta=theta,
             hdot=hdot,
@@ -449,37 +450,37 @@ class FlareHold(GuidedHold):
         )
 
     def _bank(self, state: FlareState, psi: float) -> float:
-        """Bank in deg: to the centre line in the flare, for the heading in a go-around."""
-        most = self._checked.bank_max
+        """Bank in deg: to the centre line in the flare, to the heading in a go-around."""
+        limit = self._checked.bank_max
         if state.phase == FLARE:
             pull = _TRACKING * (_TRACKING * state.beam.ft + 1.4 * state.beam.aside)
-            return clip(-DEGREES / GRAVITY * pull, -most, most)
+            return clip(-DEGREES / GRAVITY * pull, -limit, limit)
         if state.phase == GO_AROUND:
-            return clip(_KEEP * wrap(state.psi - psi), -most, most)
+            return clip(_KEEP * wrap(state.psi - psi), -limit, limit)
         return 0.0
 
-    def _yaw(self, state: FlareState, seen: Seen, rolls: bool) -> tuple[float, FlareState]:
+    def _yaw(self, state: FlareState, now: FlareInputs, rolls: bool) -> tuple[float, FlareState]:
         """Steering of the nose wheel, and the state with the rudder and the heading's reference."""
         c, T, beam = self._checked, self.clock.period, state.beam
         target, psi_cmd, align, turn = c.course, state.psi, c.align, 0.0
         speed = max(beam.along, SLOWEST)
         if rolls:
             target -= clip(DEGREES * _STEER * beam.ft / speed, -5.0, 5.0)
-            # the slower it rolls, the less nose wheel and rudder turn it
-            align *= state.kept / state.v
-        if rolls or seen.height < _DECRAB * max(-seen.hdot, c.sink):
+            # nose wheel and rudder lose effect as the aircraft slows down
+            align *= state.v_ref / state.v
+        if rolls or now.height < _DECRAB * max(-now.hdot, c.sink):
             psi_cmd += clip(wrap(target - psi_cmd), -_YAW * T, _YAW * T)
         psi_cmd, error = wrap(psi_cmd), 0.0
         if rolls or state.phase != GO_AROUND:
-            error = align * (wrap(seen.psi - psi_cmd) + _YAW_DAMPING * seen.r)
+            error = align * (wrap(now.psi - psi_cmd) + _YAW_DAMPING * now.r)
         if rolls:
-            # the approach's rudder is left out: on the wheels its sideslip integral winds up
+            # without the approach's rudder: on the wheels its sideslip integral winds up
             off = wrap(c.course + DEGREES * math.atan(beam.aside / speed) - target)
             turn = clip(state.turn + _TURN * align * off * T, -1.0, 1.0)
-        asked = error + (turn if rolls else seen.given[2])
-        moved = state.rudder + clip(asked - state.rudder, -_RUDDER * T, _RUDDER * T)
-        steering = clip(-asked, -1.0, 1.0) if rolls else 0.0
-        return steering, state._replace(rudder=clip(moved, -1.0, 1.0), psi=psi_cmd, turn=turn)
+        command = error + (turn if rolls else now.approach[2])
+        rudder = state.rudder + clip(command - state.rudder, -_RUDDER * T, _RUDDER * T)
+        steering = clip(-command, -1.0, 1.0) if rolls else 0.0
+        return steering, state._replace(rudder=clip(rudder, -1.0, 1.0), psi=psi_cmd, turn=turn)
 
     def _power(self, state: FlareState, down: bool) -> tuple[float, float]:
         """Throttle and brakes."""

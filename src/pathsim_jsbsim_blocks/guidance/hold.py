@@ -1,4 +1,4 @@
-"""What the holds of guidance share: loops from the altitude to the elevator, and the protection."""
+"""Shared parts of the guidance holds: loops from altitude to elevator, and the protection."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from .climb_loops import AltitudeLoop
 from .protection import Allowed, Protection
 from .vertical import Vertical
 
-FAR_BELOW = 0.5  # of the lowest airspeed, a demand that must be meant otherwise
+FAR_BELOW = 0.5  # fraction of the minimum airspeed; a command below it is probably a mistake
 
 # docstring sections shared by these holds
 fill = filler(
     **SECTIONS,
     alpha_max="""
     alpha_max : float, optional
-        largest angle of attack in deg, with the port ``alpha`` wired; default is the gain table's
+        maximum angle of attack in deg, with ``alpha`` connected; default is the gain table's
     """,
     climb="""
     theta_min : float
-        lowest pitch reference in deg
+        minimum pitch reference in deg
     theta_max : float, optional
-        highest pitch reference in deg; default is the gain table's
+        maximum pitch reference in deg; default is the gain table's
     authority : float or pair
-        largest elevator increment, of full travel
+        maximum elevator increment, of full travel
     """,
     level="""
     h, hdot
@@ -36,12 +36,12 @@ fill = filler(
     """,
     capture="""
     h_ref : float, optional
-        altitude to capture, ft; default: none, or with a port that is not 0 so much above the
+        altitude to capture, ft; default: none, or if the port is not 0, its value above the
         altitude at engagement
     """,
     climbing="""
     hdot_cmd
-        rate of climb demanded, ft/s
+        commanded rate of climb, ft/s
     captured
         1 from the capture of the altitude on, otherwise 0
     """,
@@ -49,12 +49,13 @@ fill = filler(
 
 
 class GuidedHold(Hold):
-    """Base of the holds with a protection: of the altitude, of climbs, and of landings."""
+    """Base of the holds with a protection: altitude, climbs and landings."""
 
     def altitude_loop(self, gains: AltitudeGains) -> AltitudeLoop:
         """The altitude loop; its limits are checked at every point of a schedule."""
         T, c = self.clock.period, self._checked
         limits = getattr(c, "hdot_max", None), c.theta_min, c.theta_max
+        # theta_max depends on the point: a wrong theta_min must not be reported only in flight
         for point in self._schedule.points if self._schedule else ():
             AltitudeLoop(T, loop_gains(point.gains, "altitude")[0], *limits)
         return AltitudeLoop(T, gains, *limits)
@@ -62,7 +63,7 @@ class GuidedHold(Hold):
     def vertical_loops(
         self, altitude: AltitudeGains, pitch: AttitudeGains, envelope: EnvelopeLimits | None
     ) -> Vertical:
-        """The loops from the altitude to the elevator; they follow a schedule."""
+        """The loops from altitude to elevator, registered to follow a schedule."""
         T, authority = self.clock.period, self._checked.authority
         vertical = Vertical(
             self.altitude_loop(altitude),
@@ -73,21 +74,21 @@ class GuidedHold(Hold):
         return vertical
 
     def protection_within(self, envelope: EnvelopeLimits | None) -> Protection | None:
-        """The protection from the stall; None without an angle of attack to keep."""
+        """The protection; None without a maximum angle of attack."""
         own = self._checked.alpha_max
         if own is None and envelope is None:
             return None
         return Protection(self.clock.period, own, envelope)
 
-    def airspeed_within(self, allowed: Allowed, wanted: float, vc: float) -> float:
-        """The airspeed wanted in kt, within the limits; one far below the lowest is warned of."""
-        lowest = allowed.vc_min
-        # below 0.9 of the present one: without a demand the two are the same
-        if lowest >= FLYING and wanted < min(FAR_BELOW * lowest, 0.9 * vc):
+    def airspeed_within(self, allowed: Allowed, target: float, vc: float) -> float:
+        """The target airspeed in kt within the limits; warns if it is far below the minimum."""
+        minimum = allowed.vc_min
+        # without a command the target is the present airspeed, which may itself be too low
+        if minimum >= FLYING and target < min(FAR_BELOW * minimum, 0.9 * vc):
             self._warn_once(
                 "vc_ref",
-                "vc_ref asks for {:.0f} kt, far below the lowest airspeed of this flight, "
+                "vc_ref commands {:.0f} kt, far below the minimum airspeed of this flight, "
                 "{:.0f} kt, which is flown instead",
-                *(wanted, lowest),
+                *(target, minimum),
             )
-        return max(min(wanted, allowed.vc_max), lowest)
+        return max(min(target, allowed.vc_max), minimum)

@@ -13,24 +13,24 @@ from ..control.pid import clip
 
 
 def share_of_climb(vc: float, vc_cmd: float) -> float:
-    """Share of the climb that an airspeed leaves, without a protection that measures it.
+    """Fraction of the climb allowed at a low airspeed, for holds without a protection.
 
-    1 down to 90 % of the airspeed demanded, 0 (level) at 80 %, -1 (descent) at 70 %.
+    1 down to 90 % of the commanded airspeed, 0 (level) at 80 %, -1 (descent) at 70 %.
     """
     return clip((vc / vc_cmd - 0.8) / 0.1, -1.0, 1.0) if vc_cmd > 0.0 else 1.0
 
 
 class Allowed(NamedTuple):
-    """What a `Protection` allows; by default everything."""
+    """Limits set by a `Protection`; the defaults limit no reference."""
 
     theta_max: float = math.inf  # deg
     theta_min: float = -math.inf
     climb_max: float = math.inf  # ft/s
     climb_min: float = -math.inf
-    boost: float = 0.0  # throttle to add, or to take where negative
+    boost: float = 0.0  # throttle to add, negative to reduce it
     vc_min: float = -math.inf  # kt
     vc_max: float = math.inf
-    feed: float = 0.0  # throttle that makes way for a descent, at most 0
+    feed: float = 0.0  # throttle increment for a descent that the airspeed limits, at most 0
 
 
 EVERYTHING = Allowed()
@@ -39,20 +39,20 @@ EVERYTHING = Allowed()
 class ProtectionState(NamedTuple):
     """State of a `Protection`."""
 
-    known: bool = False  # the angle of attack
-    own: float = 0.0  # deg, angle of attack by the aircraft's own motion, and its rate, deg/s
+    started: bool = False  # whether the filters have values
+    own: float = 0.0  # angle of attack from the aircraft's own motion, deg, and its rate, deg/s
     own_rate: float = 0.0
-    gust: float = 0.0  # deg, what the air adds to it, filtered
-    v: float = 0.0  # true airspeed, 0 while unknown
+    gust: float = 0.0  # angle of attack from gusts, deg, filtered
+    v: float = 0.0  # true airspeed, ft/s; 0 before the first sample
     acceleration: float = 0.0
     airspeed: float = 0.0  # v without gusts
-    available: float = 0.0  # rate of climb at full throttle
-    measured: float = 0.0  # and at the present one
+    available: float = 0.0  # excess rate of climb at full throttle, ft/s
+    measured: float = 0.0  # and at the present throttle
     climb: float = 0.0  # rate of climb, filtered
     load: float = 1.0  # vertical load factor, filtered
-    level: float = 0.0  # deg, alpha above that of no lift with the wings level, filtered
-    stopped: float = 0.0  # share of the time with the elevator at its stop
-    reach: float = 90.0  # deg, angle of attack that the elevator can hold
+    level: float = 0.0  # alpha above zero lift with the wings level, deg, filtered
+    stopped: float = 0.0  # fraction of the time with the elevator at its stop
+    reach: float = 90.0  # angle of attack that the elevator can hold, deg
 
 
 class Protection:
@@ -66,57 +66,56 @@ class Protection:
         \\dot h_\\mathrm{cmd} &\\ge P + \\frac{k V}{g} (V - V_\\mathrm{max}) \\\\
         \\dot h_\\mathrm{cmd} &\\ge k (h_0 - h_\\mathrm{agl})
 
-    The first makes the pitch loop hold the largest angle of attack where more pitch would exceed
-    it. Its estimate follows pitch less path angle, and with a lag of 2 s what is measured: gusts
-    that pass do not lower the nose. The lowest airspeed follows from the angle of attack that the
-    aircraft flies at, which shows its weight, flaps and load factor; n is the part of a passing
-    pull-up. Where the elevator reaches its stop, the angle of attack found there takes the place of
-    the largest one.
+    The first makes the pitch loop hold the maximum angle of attack if more pitch would exceed it.
+    The estimate follows pitch angle less path angle, and the measurement with a lag of 2 s, so that
+    short gusts do not lower the nose. The minimum airspeed follows from the present angle of
+    attack, which reflects weight, flaps and load factor; n removes the effect of a short pull-up.
+    If the elevator reaches its stop, the angle of attack at that moment replaces the maximum.
 
-    The third lets the airspeed fall towards the lowest one no faster than with the time constant
-    1/k, and demands a descent below it, but not near the ground; the fourth ends a descent at the
-    highest airspeed, or a little above the one demanded, and the fifth above the ground. The excess
-    of a climb is that at full throttle: the table's, until the throttle is at its stop; from then
-    on what is measured.
+    The third lets the airspeed fall towards its minimum no faster than with the time constant 1/k,
+    and commands a descent below it, but not near the ground. The fourth ends a descent at the
+    maximum airspeed, or a little above the commanded one, the fifth above the ground. The excess
+    rate of climb is that at full throttle: from the gain table until the throttle saturates, then
+    from the measurement.
 
     Without an ``envelope`` only the angle of attack is limited.
     """
 
     START = ProtectionState()
 
-    LEAD = 0.4  # s, of the angle of attack
-    RATE = 0.15  # s, filter of its rate
-    SLOW = 2.0  # s, filter of acceleration, airspeed and lift
-    ADAPT = 3.0  # s, towards the climb measured at full throttle
-    DECAY = 0.1  # 1/s, with which airspeed and height may approach their limits
-    MARGIN = 1.1  # lowest airspeed, of that at which the elevator reached its stop
-    LIFT = 1.1  # load factor at the lowest airspeed
-    LOADS = (0.5, 2.0)  # of the vertical load factor
-    LOAD = 0.8  # g, of a change of the pitch reference
-    LEAST_LIFT = 0.1  # share of the largest
-    STEEPEST = 75.0  # deg of bank
-    SLOWEST = 50.0  # ft/s, true airspeed
-    BANK_YIELDS = 1.0  # deg below the largest angle of attack, before the pitch does
-    STOPPED = 0.5  # share of the time at its stop, from which the elevator is at its end
-    CLIMB_KEPT = 8.0  # ft/s, below which the bank is less, down to
-    SINK = 30.0  # ft/s beyond what ground and overspeed allow, for wings level
-    GENTLE = 10.0  # deg, which takes hardly any thrust
-    RELEARN = 0.02  # deg/s, with which more of the elevator's reach is tried
-    CLEARANCE = 100.0  # ft above the ground, where a descent ends
-    TRADED = 500.0  # ft above the ground, below which no height is given for airspeed
+    LEAD = 0.4  # lead time of the angle of attack, s
+    RATE = 0.15  # time constant of the filter of its rate, s
+    SLOW = 2.0  # time constant of the filters of acceleration, airspeed and lift, s
+    ADAPT = 3.0  # time constant towards the climb measured at full throttle, s
+    DECAY = 0.1  # rate at which airspeed and height may approach their limits, 1/s
+    MARGIN = 1.1  # minimum airspeed over that at which the elevator reached its stop
+    LIFT = 1.1  # load factor at the minimum airspeed
+    LOADS = (0.5, 2.0)  # limits of the estimated vertical load factor
+    LOAD = 0.8  # load factor increment of a moving pitch reference, g
+    LEAST_LIFT = 0.1  # minimum fraction of the maximum lift, avoids division by 0
+    STEEPEST = 75.0  # maximum bank in 1 / cos(phi), deg
+    SLOWEST = 50.0  # minimum true airspeed as a divisor, ft/s
+    BANK_YIELDS = 1.0  # margin to the maximum angle of attack at which the bank is reduced, deg
+    STOPPED = 0.5  # fraction of the time at its stop above which the elevator is saturated
+    CLIMB_KEPT = 8.0  # allowed rate of climb below which the bank is reduced, ft/s
+    SINK = 30.0  # sink rate beyond the limit at which the wings are levelled, ft/s
+    GENTLE = 10.0  # bank that costs hardly any thrust, deg
+    RELEARN = 0.02  # rate at which the elevator's reach is increased again, deg/s
+    CLEARANCE = 100.0  # height above the ground at which a descent ends, ft
+    TRADED = 500.0  # height above the ground below which no height is traded for airspeed, ft
 
-    # of the airspeed demanded
+    # fractions of the commanded airspeed
     BOOST_ENDS_ABOVE = 0.985
-    CLIMB_YIELDS_BELOW = 0.97  # from 1 on, from the climb at full throttle to that measured
-    CLIMB_TRADED_BELOW = 0.95  # the airspeed is regained at the climb's expense
-    MAKES_WAY = 2.0  # throttle taken, of that which the rest of the descent would save
+    CLIMB_YIELDS_BELOW = 0.97  # from 1 down to this, the climb is reduced to the measured excess
+    CLIMB_TRADED_BELOW = 0.95  # the climb is reduced to regain the airspeed
+    MAKES_WAY = 2.0  # throttle reduction over the throttle that the remaining descent would save
 
-    # of the lowest airspeed
-    DESCENT_REGAINS_BELOW = 1.15  # behind the power curve, a descent may regain the one demanded
+    # fractions of the minimum airspeed
+    DESCENT_REGAINS_BELOW = 1.15  # behind the power curve a descent may regain the commanded one
     DESCENT_FORCED_BELOW = 0.96
-    BOOST_FULL_AT = 0.04  # so far below the one demanded, or above the highest, where it is taken
-    AHEAD = 2.0  # s, of the airspeed, by the rate of the energy
-    DESCENT_YIELDS = 5.0  # kt above the airspeed demanded, beyond which a descent does not take it
+    BOOST_FULL_AT = 0.04  # error below the commanded or above the maximum airspeed for full boost
+    AHEAD = 2.0  # prediction time of the airspeed, from the rate of the energy, s
+    DESCENT_YIELDS = 5.0  # excess over the commanded airspeed beyond which a descent is reduced, kt
 
     def __init__(self, T: float, alpha_max: float | None, envelope: EnvelopeLimits | None):
         self.T = T
@@ -155,12 +154,11 @@ class Protection:
     ) -> tuple[Allowed, ProtectionState]:
         """Limits of the references, and the next state.
 
-        ``full_throttle`` and ``full_elevator`` say whether the excess and the angle of attack
-        measured are all there is; ``vc_cmd`` is the airspeed that has priority over a climb, None
-        for none; ``hold_pitch`` limits the pitch reference to the path angles of the rates of climb
-        too; ``eases`` limits a descent to what the airspeed leaves; ``cut`` is the last rate of
-        climb demanded less the one allowed. A ``vc`` or ``h_agl`` of 0, without a wire, limits
-        nothing.
+        If ``full_throttle`` and ``full_elevator`` are set, the measured excess and angle of attack
+        are the maximum attainable. ``vc_cmd`` is the airspeed that has priority over a climb;
+        ``hold_pitch`` limits the pitch reference to the path angles of the allowed rates of climb;
+        ``eases`` reduces a descent to keep the airspeed; ``cut`` is the last commanded rate of
+        climb less the allowed one. A ``vc`` or ``h_agl`` of 0 (not connected) sets no limit.
         """
         per_knot, stops = true_airspeed(1.0, h), (full_elevator, full_throttle)
         state = self._filtered(state, theta, alpha, vc * per_knot, hdot, phi, *stops)
@@ -170,44 +168,44 @@ class Protection:
         v, moving, used = state.v, vc > 0.0, self._used(state)
         vc_max = fastest_airspeed(self.limits.vmo, self.limits.mmo, h)
         fastest = max(vc_max * per_knot, 1.0)
-        # the bank gives way before height is spent on airspeed
+        # without the bank's load factor: the bank is reduced before height is traded for airspeed
         slowest = max(state.airspeed * used**0.5, 1.0)
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
         sustained = max(state.measured + spare, -self.limits.descent_max)
         above = h_agl if h_agl > 0.0 else math.inf
         floor = self.DECAY * (self.CLEARANCE - above)
-        given = max(floor, min(self.DECAY * (self.TRADED - above), 0.0))
-        most, boost, feed, kept = sustained, 0.0, 0.0, fastest
+        trade = max(floor, min(self.DECAY * (self.TRADED - above), 0.0))
+        highest, boost, feed, limit = sustained, 0.0, 0.0, fastest
         if vc_cmd is not None:
-            wanted = max(vc_cmd * per_knot, 1.0)
-            most, boost = self._for_airspeed(state, wanted, slowest, stiffness, spare)
+            target = max(vc_cmd * per_knot, 1.0)
+            highest, boost = self._for_airspeed(state, target, slowest, stiffness, spare)
             boost = self._boost(state, boost, floor, fastest)
             if eases:
-                kept = min(wanted + self.DESCENT_YIELDS * per_knot, fastest)
-        least = eased = floor
+                limit = min(target + self.DESCENT_YIELDS * per_knot, fastest)
+        lowest = eased = floor
         if moving:
-            # level flight at idle is enough to slow down
-            least = max(least, min(state.measured + stiffness * (v - fastest), 0.0))
-            eased = max(least, min(state.measured + stiffness * (state.airspeed - kept), 0.0))
-            if eased > least:
-                # the throttle makes way for a descent that the airspeed does not allow with it
+            # at most 0: level flight at idle is enough to decelerate
+            lowest = max(lowest, min(state.measured + stiffness * (v - fastest), 0.0))
+            eased = max(lowest, min(state.measured + stiffness * (state.airspeed - limit), 0.0))
+            if eased > lowest:
+                # reduce the throttle: only less thrust allows this descent at the airspeed
                 travel = self.limits.climb_max + self.limits.descent_max
                 feed = clip(self.MAKES_WAY * cut / travel, -1.0, 0.0)
         theta_min = -math.inf
         if hold_pitch:
             path = DEGREES / max(v, self.SLOWEST)
-            theta_min = alpha + path * max(least, -v)
+            theta_min = alpha + path * max(lowest, -v)
             if moving:
-                theta_max = min(theta_max, alpha + path * min(max(sustained, least, given), v))
-        # at the load factor of a turn
+                theta_max = min(theta_max, alpha + path * min(max(sustained, lowest, trade), v))
+        # here with the load factor of the turn, as it limits the commanded airspeed
         turning = used / math.cos(RADIANS * clip(phi, -self.STEEPEST, self.STEEPEST))
         vc_min = state.airspeed * turning**0.5 / per_knot
         if moving:
-            most = max(most, least, given)
+            highest = max(highest, lowest, trade)
         else:
-            most, boost = math.inf, 0.0
-        return Allowed(theta_max, theta_min, most, eased, boost, vc_min, vc_max, feed), state
+            highest, boost = math.inf, 0.0
+        return Allowed(theta_max, theta_min, highest, eased, boost, vc_min, vc_max, feed), state
 
     def _filtered(
         self,
@@ -220,22 +218,22 @@ class Protection:
         full_elevator: bool,
         full_throttle: bool,
     ) -> ProtectionState:
-        """The state with what has been measured."""
-        slow, begun = self._slow_filter, state.v != 0.0
+        """The state with the estimates of this sample."""
+        slow, moving = self._slow_filter, state.v != 0.0
         level = (alpha - self.alpha_zero) * math.cos(RADIANS * phi)
         own = alpha
         if v > 0.0:
-            # pitch less path angle is alpha cos(phi), and tells less of it in a steep bank
+            # theta - gamma = alpha cos(phi): in a steep bank the pitch angle counts less
             path = DEGREES * hdot / max(state.airspeed or v, self.SLOWEST)
             upright = math.cos(RADIANS * phi)
             own += upright * (theta - path - upright * alpha)
         own_rate, gust, acceleration = 0.0, alpha - own, 0.0
         airspeed, climb = v, hdot
-        if begun:
+        if moving:
             acceleration = state.acceleration
             acceleration += slow * ((v - state.v) / self.T - acceleration)
             airspeed = state.airspeed + slow * (v - state.airspeed)
-        if state.known:
+        if state.started:
             own_rate = state.own_rate
             own_rate += self._alpha_filter * ((own - state.own) / self.T - own_rate)
             gust = state.gust + slow * (gust - state.gust)
@@ -244,13 +242,13 @@ class Protection:
 
         available = measured = 0.0
         if self.flies_envelope:
-            most = self.limits.climb_max
-            # a gust changes the airspeed faster than thrust and drag can
-            excess = clip(hdot + v * acceleration / GRAVITY, -self.limits.descent_max, most)
-            available, measured = most, excess
-            if begun:
+            climb_max = self.limits.climb_max
+            # limited, because a gust changes the airspeed faster than thrust and drag can
+            excess = clip(hdot + v * acceleration / GRAVITY, -self.limits.descent_max, climb_max)
+            available, measured = climb_max, excess
+            if moving:
                 available, measured = state.available, state.measured
-            available += self._adapt * ((excess if full_throttle else most) - available)
+            available += self._adapt * ((excess if full_throttle else climb_max) - available)
             measured += self._adapt * (excess - measured)
 
         load = clip(1.0 + (hdot - climb) / (self.SLOW * GRAVITY), *self.LOADS)
@@ -259,7 +257,7 @@ class Protection:
         if full_elevator and stopped > self.STOPPED:
             reach = min(reach, max(alpha, self.alpha_zero + 1.0))
         return ProtectionState(
-            known=True,
+            started=True,
             own=own,
             own_rate=own_rate,
             gust=gust,
@@ -276,59 +274,59 @@ class Protection:
         )
 
     def _ahead(self, state: ProtectionState) -> float:
-        """The angle of attack without passing gusts, deg, as the aircraft's motion goes on."""
+        """The angle of attack predicted from the aircraft's motion, without short gusts, deg."""
         return state.own + state.gust + self.LEAD * state.own_rate
 
     def _used(self, state: ProtectionState) -> float:
-        """Lift of straight and level flight, of the largest that it may take at this airspeed."""
-        largest = self.limits.lift_max * (self.alpha_max - self.alpha_zero)
-        largest = min(largest, (state.reach - self.alpha_zero) / self.MARGIN**2)
-        return max(state.level / (largest * state.load), self.LEAST_LIFT)
+        """Lift of straight and level flight over the maximum allowed at this airspeed."""
+        lift_max = self.limits.lift_max * (self.alpha_max - self.alpha_zero)
+        lift_max = min(lift_max, (state.reach - self.alpha_zero) / self.MARGIN**2)
+        return max(state.level / (lift_max * state.load), self.LEAST_LIFT)
 
     def _for_airspeed(
-        self, state: ProtectionState, wanted: float, slowest: float, stiffness: float, spare: float
+        self, state: ProtectionState, target: float, slowest: float, stiffness: float, spare: float
     ) -> tuple[float, float]:
-        """Highest rate of climb, and throttle to add, for an airspeed that has priority."""
+        """Maximum rate of climb, and throttle to add, for an airspeed that has priority."""
         v, available, measured = state.v, state.available, state.measured
-        # while it has the airspeed demanded, throttle is left for a climb
-        kept = (v / wanted - self.CLIMB_YIELDS_BELOW) / (1.0 - self.CLIMB_YIELDS_BELOW)
-        climb = measured + clip(kept, 0.0, 1.0) * (available - measured)
-        # behind the power curve the airspeed takes throttle and descent to recover
+        # while the commanded airspeed is held, reserve throttle for the climb
+        reserve = (v / target - self.CLIMB_YIELDS_BELOW) / (1.0 - self.CLIMB_YIELDS_BELOW)
+        climb = measured + clip(reserve, 0.0, 1.0) * (available - measured)
+        # behind the power curve it requires throttle and a descent to recover the airspeed
         behind = clip((self.DESCENT_REGAINS_BELOW - state.airspeed / slowest) / 0.1, 0.0, 1.0)
-        traded = available - stiffness * (self.CLIMB_TRADED_BELOW * wanted - v)
-        most = min(max(traded, -behind * self.limits.descent_max), climb + spare)
+        traded = available - stiffness * (self.CLIMB_TRADED_BELOW * target - v)
+        highest = min(max(traded, -behind * self.limits.descent_max), climb + spare)
         rate = state.acceleration + GRAVITY * state.climb / max(v, self.SLOWEST)
-        missing = self.BOOST_ENDS_ABOVE * wanted - state.airspeed - self.AHEAD * rate
+        missing = self.BOOST_ENDS_ABOVE * target - state.airspeed - self.AHEAD * rate
         boost = clip(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
-        return max(most, -self.limits.descent_max), boost
+        return max(highest, -self.limits.descent_max), boost
 
     def _boost(self, state: ProtectionState, boost: float, floor: float, fastest: float) -> float:
-        """Throttle to add, or to take above the highest airspeed."""
-        # a sink that the pitch may not end, or not yet, takes all of the throttle
+        """Throttle to add, or negative above the maximum airspeed."""
+        # if the pitch limit prevents the end of a forbidden sink, full throttle must end it
         boost = max(boost, min((floor - state.climb) / self.CLIMB_KEPT, 1.0))
         beyond = state.airspeed + self.AHEAD * state.acceleration - fastest
         return boost - clip(beyond / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
 
     def pitch_rate(self, vc: float, h: float) -> float:
-        """Rate of the pitch reference in deg/s that the load factor allows at an airspeed."""
+        """Maximum rate of the pitch reference at an airspeed, from the load factor, deg/s."""
         return math.degrees(self.LOAD * GRAVITY) / max(true_airspeed(vc, h), self.SLOWEST)
 
-    def bank(self, allowed: Allowed, state: ProtectionState, wanted: float, phi: float) -> float:
-        """The bank demanded in deg, within its limit; after `sample`.
+    def bank(self, allowed: Allowed, state: ProtectionState, command: float, phi: float) -> float:
+        """The commanded bank in deg within its limit; call it after `sample`.
 
-        The load factor of level flight is limited to what the airspeed allows, and to what the
-        angle of attack leaves, to which it is proportional: the bank gives way before the pitch,
-        and where less than `CLIMB_KEPT` is left, before the height.
+        The load factor of a level turn is limited by the airspeed, and by the margin of the angle
+        of attack, to which it is proportional: the bank is reduced before the pitch angle and, if
+        the allowed rate of climb is below `CLIMB_KEPT`, before the height.
         """
         alpha = self._ahead(state) - self.alpha_zero
-        left = (self.alpha_max - self.BANK_YIELDS - self.alpha_zero) / max(alpha, 1e-6)
-        load = left * state.load / math.cos(RADIANS * phi)
+        ratio = (self.alpha_max - self.BANK_YIELDS - self.alpha_zero) / max(alpha, 1e-6)
+        load = ratio * state.load / math.cos(RADIANS * phi)
         if self.flies_envelope:
             load = min(load, self.LIFT / self._used(state))
-        most = DEGREES * math.acos(1.0 / max(load, 1.0))
-        less = most * clip(allowed.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
-        most = min(most, max(less, self.GENTLE))
-        # a sink that ground or overspeed forbid is ended with the wings level
+        limit = DEGREES * math.acos(1.0 / max(load, 1.0))
+        reduced = limit * clip(allowed.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
+        limit = min(limit, max(reduced, self.GENTLE))
+        # near the ground or at overspeed, level wings use all of the lift to end the sink
         excess = clip(allowed.climb_min - state.climb, 0.0, self.SINK)
-        most *= 1.0 - excess / self.SINK
-        return clip(wanted, -most, most)
+        limit *= 1.0 - excess / self.SINK
+        return clip(command, -limit, limit)

@@ -1,4 +1,4 @@
-"""Receivers of an instrument landing system: the aircraft's place, seen from two beams."""
+"""Receivers of an instrument landing system: deviations from its two beams."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from .._core.parameters import parameter
 from .._core.sampling import SampledLaw
 from ..axes.navigation import distance, latitude_longitude, line_to, place
 
-RADIUS = 20.9e6  # ft, of the Earth: the surface falls away from a straight glide path
-_CORRELATION = 0.5  # s, of the noise
+RADIUS = 20.9e6  # Earth radius, ft: the surface curves away below a straight glide path
+_CORRELATION = 0.5  # correlation time of the noise, s
 
 
 class _Receiver(SampledLaw):
-    """Base of the receivers: the width of the beam, and noise."""
+    """Base of the receivers: limits of the beam, and noise."""
 
     noise: float
     seed: int
@@ -25,30 +25,31 @@ class _Receiver(SampledLaw):
 
     def build(self) -> None:
         self._noise = WhiteNoise(self._checked.seed, 1)
-        self._kept = math.exp(-self.clock.period / _CORRELATION)
+        self._decay = math.exp(-self.clock.period / _CORRELATION)
 
     def initial_state(self) -> tuple[Any, ...]:
         return 0, 0.0
 
-    def seen(self, degrees: float, feet: float, slant: float, state: Any) -> tuple[list, tuple]:
+    def received(self, degrees: float, feet: float, slant: float, state: Any) -> tuple[list, tuple]:
         """Deviation in deg and ft, and the next state; ``slant`` is the distance, ft."""
         k, last = state
-        most = self._checked.width
-        edge = min(max(degrees, -most), most)
+        width = self._checked.width
+        limited = min(max(degrees, -width), width)
         if self._checked.noise:
             fresh = self._noise.row(k)[0]
             if k:
-                fresh = self._kept * last + math.sqrt(1.0 - self._kept**2) * fresh
+                # first-order coloured noise whose standard deviation does not depend on T
+                fresh = self._decay * last + math.sqrt(1.0 - self._decay**2) * fresh
             last = fresh
-        error = edge - degrees + self._checked.noise * last
-        # so that the deviation in ft is exact without width and noise
+        error = limited - degrees + self._checked.noise * last
+        # add the error alone: without width and noise the deviation in ft stays exact
         feet += slant * (math.tan(math.radians(degrees + error)) - math.tan(math.radians(degrees)))
         return [degrees + error, feet], (k + 1, last)
 
 
 @dataclass(eq=False, repr=False)
 class Localizer(_Receiver):
-    """Receiver of a localizer: where the aircraft is beside the course to a runway.
+    """Receiver of a localizer: lateral deviation from the course to a runway.
 
     The beam leads along a great circle to the station.
 
@@ -59,12 +60,12 @@ class Localizer(_Receiver):
     course : float
         true course of the approach, deg
     width : float
-        deviation at the edge of the beam, deg; further out ``deg`` and ``ft`` stay what they are
-        there. ``inf`` for none
+        deviation at the edge of the beam, deg, to which ``deg`` and ``ft`` are limited; ``inf`` for
+        no limit
     noise : float
         standard deviation of the noise, deg, with a correlation time of 0.5 s
     seed : int
-        of the random numbers, 0 or more
+        seed of the random numbers, 0 or more
     T : float
         sample period in s; a new one acts at the next reset
 
@@ -107,16 +108,16 @@ class Localizer(_Receiver):
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
         across, to_go, _ = self._line.track_at(place(*u))
         degrees = math.degrees(math.atan2(across, abs(to_go)))
-        seen, state = self.seen(degrees, across, abs(to_go), state)
-        return [*seen, to_go], state
+        deviation, state = self.received(degrees, across, abs(to_go), state)
+        return [*deviation, to_go], state
 
 
 @dataclass(eq=False, repr=False)
 class Glideslope(_Receiver):
-    """Receiver of a glide slope: how high the aircraft is above the path to a runway.
+    """Receiver of a glideslope: vertical deviation from the glide path to a runway.
 
-    The path is a straight line that meets the ground at the station; the Earth's surface falls
-    away below it.
+    The glide path is a straight line that meets the ground at the station; the Earth's surface
+    curves away below it.
 
     Parameters
     ----------
@@ -124,16 +125,16 @@ class Glideslope(_Receiver):
         geodetic latitude and longitude of the point where the path meets the ground, deg: the
         aiming point of the landing
     elevation : float
-        height of the ground there above sea level, ft
+        elevation of that point above sea level, ft
     angle : float
         glide path angle in [0.1, 20], deg
     width : float
-        deviation at the edge of the beam, deg; further out ``deg`` and ``ft`` stay what they are
-        there. ``inf`` for none
+        deviation at the edge of the beam, deg, to which ``deg`` and ``ft`` are limited; ``inf`` for
+        no limit
     noise : float
         standard deviation of the noise, deg, with a correlation time of 0.5 s
     seed : int
-        of the random numbers, 0 or more
+        seed of the random numbers, 0 or more
     T : float
         sample period in s; a new one acts at the next reset
 
@@ -175,14 +176,14 @@ class Glideslope(_Receiver):
         c = self._checked
         away = distance(place(*u[:2]), place(*c.station))
         degrees, feet = above_path(u[2] - c.elevation, away, c.angle)
-        seen, state = self.seen(degrees, feet, away, state)
-        return [*seen, away], state
+        deviation, state = self.received(degrees, feet, away, state)
+        return [*deviation, away], state
 
 
 def above_path(height: float, away: float, angle: float) -> tuple[float, float]:
     """Angle (deg) and height (ft) above a glide path that meets the ground ``away`` ft from here.
 
-    ``height`` is that above sea level less that of the foot, which a straight line sees as less.
+    ``height`` is the altitude less the foot's elevation; the Earth's curvature reduces it.
     """
     height -= away * away / (2.0 * RADIUS)
     return (
