@@ -1,7 +1,7 @@
 """Margins of loops against python-control and closed forms."""
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import control
 import numpy as np
@@ -11,6 +11,7 @@ from test_plots_of_models import lag
 from pathsim_jsbsim_blocks import (
     Aircraft,
     Autopilot,
+    CourseHold,
     DiscretePID,
     ParameterError,
     PitchHold,
@@ -130,10 +131,57 @@ def test_a_closed_loop_is_within():
     assert own.response == pytest.approx(alone / (1 + inner))
 
 
+@pytest.mark.parametrize("pole", [-2.0, 0.5])
+@pytest.mark.parametrize("gain", [-2.0, -0.3, 0.1, 0.2, 8.0, 12.0])
+def test_a_loop_is_stable_where_its_poles_are(pole, gain):
+    aircraft = replace(lag(6), A=[[pole]])
+    late = control.c2d(control.tf([4.0], [1.0, -pole]), T, "zoh") * control.tf(
+        [1], [1, *[0] * 6], T
+    )
+    poles = control.feedback(gain * late).poles()
+    stable = abs(poles).max() < 1.0
+    law = {"inputs": "p", "outputs": "aileron"}
+    quick = control.tf([-gain * 1e6], [1.0, 1e6], **law)
+    for own in (control.ss([], [], [], [[-gain]], **law), quick):
+        assert margins(aircraft, own).stable == stable
+    assert margins(gain * late).stable == stable
+    assert margins(control.frd([0.5, 0.3, 0.1], [1.0, 2.0, 3.0])).stable is None
+
+
+def test_an_unstable_law_is_counted():
+    # u+ = 1.01 u - k p: the loop is stable where the poles of its difference equation are
+    own = control.ss([[1.01]], [[1.0]], [[-0.02]], [[-1.0]], T, inputs="p", outputs="aileron")
+    loop = control.c2d(control.tf([4.0], [1.0, 2.0]), T, "zoh") * control.tf([1], [1, 0], T) * -own
+    for gain in (0.1, 1.0, 30.0):
+        stable = abs(control.feedback(gain * loop).poles()).max() < 1.0
+        scaled = control.ss(
+            own.A, own.B, gain * own.C, gain * own.D, T, inputs="p", outputs="aileron"
+        )
+        assert margins(lag(), scaled).stable == stable
+
+
+@pytest.mark.parametrize("gain", [0.01, 1e4])
+def test_a_crossover_far_from_the_poles_has_a_margin(gain):
+    loop = control.tf([gain], [1.0, 1.0, 0.0])
+    assert margins(loop).phase_margin == pytest.approx(control.margin(loop)[1], abs=0.01)
+    assert margins(loop).disk_margin == pytest.approx(
+        control.disk_margins(loop, np.geomspace(1e-4, 1e4, 4000))[0], rel=1e-2
+    )
+
+
+def test_a_response_in_any_order_has_the_same_margins():
+    omega = np.geomspace(0.1, 10.0, 100)
+    L = control.tf(*LOOPS["third order"])(1j * omega)
+    backwards = margins(control.frd(L[::-1], omega[::-1]))
+    assert backwards.gain_margin == margins(control.frd(L, omega)).gain_margin
+
+
 @pytest.mark.parametrize(
     ("law", "parameter"),
     [
         (DiscretePID(), "law"),
+        # standing still, it has no course over the ground
+        (CourseHold("c172p"), "law"),
         (Autopilot("c172p"), "law"),
         (PitchHold("c172p"), "law"),
         (Roller(T=1 / 60), "law"),
@@ -155,7 +203,7 @@ def test_what_closes_no_loop_is_refused(law, parameter):
 def two():
     """A model of which one input and one output are not what a law has."""
     return Aircraft("c172p", altitude=5000, speed=90).linear_model(
-        "algebraic", outputs=["p", "r", "phi"]
+        "algebraic", outputs=["p", "r", "phi", "psi", "lat", "lon"]
     )
 
 

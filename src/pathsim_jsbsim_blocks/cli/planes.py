@@ -213,7 +213,7 @@ def _print_margins(model: LinearModel) -> None:
     """Margins of the holds with the gain table of the aircraft, where there is one."""
     from ..control.controller import Hold
     from ..control.gain_tables import table, tables
-    from ..control.holds import AirspeedHold, HeadingHold, PitchHold, RollHold
+    from ..control.holds import AirspeedHold, HeadingHold, PitchHold, RollHold, YawDamper
     from ..linear import margins
 
     name = model.aircraft
@@ -222,7 +222,9 @@ def _print_margins(model: LinearModel) -> None:
     pitch = PitchHold(name, T=model.dt)
     loops: list[tuple[Hold, ...]] = [
         (pitch,),
-        *((hold(name, T=model.dt),) for hold in (RollHold, HeadingHold)),
+        (RollHold(name, T=model.dt),),
+        # as in the Autopilot: without it some Dutch rolls are unstable in this loop
+        (HeadingHold(name, T=model.dt), YawDamper(name, T=model.dt)),
     ]
     if table(name).points[0].gains.speed:
         loops.append((AirspeedHold(name, T=model.dt), pitch))

@@ -246,7 +246,7 @@ class LinearModel:
         augmented = np.zeros((n + m, n + m))
         augmented[:n] = np.hstack([self.A, self.B])
         step = expm(augmented * self.dt)
-        z = np.exp(1j * self.dt * np.asarray(omega, dtype=float))
+        z = np.exp(1j * self.dt * np.asarray(omega, dtype=complex))
         try:
             z = z[:, None, None]
             states = np.linalg.solve(z * np.eye(n) - step[:n, :n], step[:n, n:])

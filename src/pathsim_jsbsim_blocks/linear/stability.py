@@ -25,6 +25,8 @@ _SETTLED = 5.0  # s at the trim, for a hold's references to settle
 
 _SLOWEST, _COUNT = 1e-3, 2000  # minimum in rad/s and number of the frequencies of a loop
 
+_GROWTH = 0.02  # 1/s, modes that grow more slowly, such as a spiral, count as stable
+
 EXTRA_DELAY = 0.05  # s
 
 
@@ -32,8 +34,8 @@ EXTRA_DELAY = 0.05  # s
 class Margins:
     """Stability margins of a loop L with negative feedback, and its frequency response.
 
-    They apply only if the closed loop is stable, although python-control also returns numbers for
-    an unstable one.
+    They apply only if the closed loop is ``stable``; an unstable one, such as that of a law with
+    the wrong sign, has such numbers too.
 
     Attributes
     ----------
@@ -53,13 +55,16 @@ class Margins:
         additional delay in s at which the loop becomes unstable; infinite without a crossover
     disk_margin : float
         maximum alpha with ``|S - 1/2| < 1 / alpha``, S = 1 / (1 + L), for simultaneous changes of
-        gain and phase (balanced, skew 0); at most 2
+        gain and phase (balanced, skew 0)
     Ms : float
         maximum sensitivity ``|S|``
     omega : array, shape (k,)
         rad/s
     response : complex array, shape (k,)
         L at these frequencies
+    stable : bool or None
+        whether all modes of the closed loop are stable or take more than 35 s to double; None for
+        a frequency response
     """
 
     loop: str
@@ -72,6 +77,7 @@ class Margins:
     Ms: float
     omega: np.ndarray
     response: np.ndarray
+    stable: bool | None = None
 
     @property
     def disk_gain_margin(self) -> float:
@@ -95,6 +101,7 @@ class Margins:
         return (
             f"{self.loop}: gain margin {gain}, phase margin {phase}, "
             f"delay margin {self.delay_margin:.3g} s, disk margin {self.disk_margin:.2f} ({disk})"
+            f"{'; the closed loop is UNSTABLE' if self.stable is False else ''}"
         )
 
 
@@ -170,13 +177,27 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
     name = f"{outer.name} of {model.aircraft}, broken at {at}"
     if inner:
         name += f", closed: {', '.join(each.name for each in inner)}"
-    return _margins(name, omega, _loop(model, outer, inner, omega))
+    response, _ = _loop(model, outer, inner, omega)
+    if not response.any():
+        why = f"{outer.name} does not respond to its measurements at the trim"
+        refuse("law", law, f"{why}: give it as a python-control system")
+    return _margins(name, omega, response, _stable(model, outer, inner))
+
+
+def _stable(model: LinearModel, outer: _Connected, inner: Sequence[_Connected]) -> bool:
+    """Whether no mode of the closed loop grows, by Nyquist's criterion along Re s = _GROWTH."""
+    omega = np.r_[0.0, np.geomspace(_SLOWEST, math.pi / model.dt, _COUNT)] - 1j * _GROWTH
+    L, others = _loop(model, outer, inner, omega)
+    angle = np.unwrap(np.angle((1 + L) * others))
+    aircraft = np.linalg.eigvals(model.A).real
+    growth = np.concatenate([aircraft, outer.growth, *(each.growth for each in inner)])
+    return bool((growth > _GROWTH).sum() == round((angle[-1] - angle[0]) / math.pi))
 
 
 def _loop(
     model: LinearModel, outer: _Connected, inner: Sequence[_Connected], omega: np.ndarray
-) -> np.ndarray:
-    """L of a law around the aircraft, with the inner loops closed."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """L of a law around the aircraft with the inner loops closed, and their return difference."""
     laws = [outer, *inner]
     inputs = list(dict.fromkeys(x for each in laws for x in each.commands))
     outputs = list(dict.fromkeys(x for each in laws for x in each.measured))
@@ -190,8 +211,10 @@ def _loop(
 
     feedback = sum((widened(each) for each in inner), np.zeros((1, len(inputs), len(outputs))))
     command = aircraft[:, :, [inputs.index(outer.commands[0])]]
-    moved = np.linalg.solve(np.eye(len(outputs)) - aircraft @ feedback, command)
-    return -(widened(outer) @ moved)[:, inputs.index(outer.commands[0]), 0]
+    difference = np.eye(len(outputs)) - aircraft @ feedback
+    moved = np.linalg.solve(difference, command)
+    L = -(widened(outer) @ moved)[:, inputs.index(outer.commands[0]), 0]
+    return L, np.linalg.det(difference)
 
 
 class _Connected(NamedTuple):
@@ -203,6 +226,7 @@ class _Connected(NamedTuple):
     held: Sequence[str]  # measurements that the law requires
     references: Sequence[str]  # other outputs of the law
     response: Any  # frequency response at omega, shape (k, commands, measured)
+    growth: np.ndarray  # of its poles, 1/s
     sampled: bool = True
 
     def parted(self, rest: Sequence[str]) -> tuple[_Connected, _Connected]:
@@ -217,6 +241,7 @@ class _Connected(NamedTuple):
             self._replace(
                 name=" and ".join(rest),
                 measured=rest,
+                growth=self.growth[:0],
                 response=lambda omega: self.response(omega)[:, :, others],
             ),
         )
@@ -243,7 +268,14 @@ def _connected(parameter: str, law: Any, model: LinearModel) -> _Connected:
         return np.moveaxis(law(np.exp(at * model.dt) if sampled else at, squeeze=False), -1, 0)
 
     static = isinstance(law, control.StateSpace) and not law.nstates
-    return _Connected(law.name, measured, commands, (), (), response, sampled or static)
+    growth = _sampled_growth(law.poles(), model.dt) if sampled else law.poles().real
+    return _Connected(law.name, measured, commands, (), (), response, growth, sampled or static)
+
+
+def _sampled_growth(poles: np.ndarray, T: float) -> np.ndarray:
+    """Real parts of s in 1/s for poles z = exp(s T)."""
+    with np.errstate(divide="ignore"):
+        return np.log(np.abs(poles)) / T
 
 
 def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
@@ -271,7 +303,9 @@ def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
         return C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D
 
     references = [x for x in outputs if x not in commands]
-    return _Connected(type(law).__name__, measured, commands, law.measured, references, response)
+    growth = _sampled_growth(np.linalg.eigvals(A), model.dt)
+    name = type(law).__name__
+    return _Connected(name, measured, commands, law.measured, references, response, growth)
 
 
 def _same_period(parameter: str, law: Any, T: float, model: LinearModel) -> None:
@@ -283,15 +317,30 @@ def _same_period(parameter: str, law: Any, T: float, model: LinearModel) -> None
 def _of_response(loop: Any) -> Margins:
     """Margins of a loop of python-control."""
     control = required("control", "analysis", name="python-control")
+    stable = None
     if isinstance(loop, (control.StateSpace, control.TransferFunction)) and loop.issiso():
-        loop = control.frequency_response(loop, omega_num=_COUNT)
+        poles = control.feedback(loop).poles()
+        stable = bool((np.abs(poles) < 1 if loop.isdtime(strict=True) else poles.real < 0).all())
+        loop = control.frequency_response(loop, _frequencies(loop))
     if not isinstance(loop, control.FrequencyResponseData) or not loop.issiso():
         why = "without a law, plant must be a python-control loop with one input and one output"
         refuse("plant", loop, f"{why}, not {reprlib.repr(loop)}")
-    return _margins(loop.name, np.asarray(loop.omega), loop.frdata[0, 0])
+    order = np.argsort(loop.omega)
+    return _margins(loop.name, np.asarray(loop.omega)[order], loop.frdata[0, 0, order], stable)
 
 
-def _margins(name: str, omega: np.ndarray, response: np.ndarray) -> Margins:
+def _frequencies(loop: Any) -> np.ndarray:
+    """Frequencies in rad/s around the poles, zeros and crossovers of a python-control system."""
+    control = required("control", "analysis", name="python-control")
+    omega = np.asarray(control.frequency_response(loop, omega_num=_COUNT).omega)
+    if loop.isdtime(strict=True):
+        return omega
+    crossovers = np.concatenate(control.stability_margins(loop, returnall=True)[3:])
+    ends = [*omega[[0, -1]], *(k * x for x in crossovers if x > 0.0 for k in (0.1, 10.0))]
+    return np.geomspace(min(ends), max(ends), _COUNT)
+
+
+def _margins(name: str, omega: np.ndarray, response: np.ndarray, stable: bool | None) -> Margins:
     control = required("control", "analysis", name="python-control")
     loop = control.FrequencyResponseData(response, omega, smooth=True)
     gains, phases, _, at_phase, at_gain, _ = control.stability_margins(loop, returnall=True)
@@ -311,6 +360,7 @@ def _margins(name: str, omega: np.ndarray, response: np.ndarray) -> Margins:
         float(np.abs(S).max()),
         omega,
         response,
+        stable,
     )
 
 
