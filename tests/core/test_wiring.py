@@ -167,6 +167,27 @@ def test_inside_a_subsystem():
     ]
 
 
+def test_a_wire_from_inside_a_subsystem_to_its_outside():
+    # PathSim transmits nothing; a landing flew on holds that it should have switched off
+    inside, first, second = Interface(), Amplifier(1.0), Amplifier(2.0)
+    box = Subsystem(
+        [inside, first, second],
+        [Connection(inside, first, second), Connection(first, inside)],
+    )
+    outside, beyond, scope = Constant(1.0), Amplifier(1.0), Scope()
+    blocks = [outside, box, beyond, scope]
+    wires = [Connection(outside, box), Connection(box, scope), Connection(beyond, scope[1])]
+    assert said(Simulation(blocks, wires, log=False)) == []
+    wires.append(Connection(second, beyond))
+    sim = Simulation(blocks, wires, log=False)
+    assert said(sim) == [
+        "second is connected (second[0] to beyond[0]) outside its subsystem, not by a port of it: "
+        "it has no effect"
+    ]
+    sim.run(0.1)
+    assert scope.read()[1][:, -1].tolist() == [1.0, 0.0]
+
+
 def test_a_wire_added_later_is_seen_at_the_next_run():
     stranger, one, scope = Constant(1.0), Constant(2.0), Scope()
     sim = Simulation([one, scope], [Connection(one, scope)], log=False)

@@ -25,10 +25,10 @@ _checked: WeakSet[Graph] = WeakSet()
 def warn_of_wiring(sim: Simulation) -> None:
     """Warn, at the user's line, about probable mistakes in the connections of a diagram.
 
-    These are a connected block that is not in the simulation, two connections to one port, an
-    unconnected input that must not read 0, an unconnected command or wind, and commands with the
-    gains of another aircraft. `fly`, the command line, ``load_diagram``, batches, environments and
-    the export call this.
+    These are a connected block that is not in the simulation, a connection outside a subsystem from
+    a block inside, two connections to one port, an unconnected input that must not read 0, an
+    unconnected command or wind, and commands with the gains of another aircraft. `fly`, the command
+    line, ``load_diagram``, batches, environments and the export call this.
 
     Warns
     -----
@@ -44,7 +44,7 @@ def warn_of_wiring(sim: Simulation) -> None:
 
 def _mistakes(sim: Simulation) -> Iterator[str]:
     blocks, connections = contents(sim)
-    ids = {id(block) for block in blocks}
+    ids, crossing = {id(block) for block in blocks}, {id(c) for c in _crossing(sim)}
     starts: set[tuple[int, int]] = set()
     ends: dict[tuple[int, int], tuple[Block, int]] = {}
     leads: dict[Block, list[tuple[int, Block, int]]] = defaultdict(list)
@@ -57,12 +57,15 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
             if not (connection and source):
                 continue  # switched off: another connection may replace it
             leads[source].append((i, faces.get(target, target), j))
+            wire = f"{_port(source, i, source.outputs)} to {_port(target, j, target.inputs)}"
+            if id(connection) in crossing and id(source) in ids:
+                yield (
+                    f"{name_of(source)} is connected ({wire}) outside its subsystem, not by a port "
+                    "of it: it has no effect"
+                )
             for block in (source, target):
                 if id(block) not in ids:
                     ids.add(id(block))
-                    wire = (
-                        f"{_port(source, i, source.outputs)} to {_port(target, j, target.inputs)}"
-                    )
                     yield (
                         f"{name_of(block)} is connected ({wire}), but not among the blocks of "
                         "the simulation: it has no effect"
@@ -122,6 +125,15 @@ def contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connect
             blocks += [block.interface, *inner[0]]
             connections += inner[1]
     return blocks, connections
+
+
+def _crossing(diagram: Simulation | Subsystem) -> Iterator[Connection]:
+    """Connections from a block that is not beside them, but in a subsystem or around it."""
+    beside = {id(block) for block in [*diagram.blocks, getattr(diagram, "interface", None)]}
+    yield from (c for c in diagram.connections if id(c.source.block) not in beside)
+    for block in diagram.blocks:
+        if isinstance(block, Subsystem):
+            yield from _crossing(block)
 
 
 def _numbers(ports: Iterable[Any], register: Register) -> list[Any]:
