@@ -74,8 +74,8 @@ class Aircraft(FlightBlock):
         replaces the parameters from ``altitude`` to ``flaps``, ``latitude`` and ``longitude`` if
         they are not sufficient
     setup : dict, optional
-        properties written before initialisation and trim (fuel, payload); one that has another
-        value then is refused, but for commands that the trim solves for
+        properties written before initialisation and trim (fuel, payload); one whose
+        value then changes is refused, except commands that the trim solves for
     properties : dict, optional
         properties written after the trim (turbulence)
     input_properties : list of str, optional

@@ -52,10 +52,10 @@ class LinearAircraft(LinearModelBlock):
     substeps : int
         JSBSim steps per sample period
     condition : TrimCondition, optional
-        replaces the parameters from ``altitude`` to ``flaps`` where they are not sufficient
+        replaces the parameters from ``altitude`` to ``flaps`` if they are not sufficient
     setup : dict, optional
-        properties written before initialisation and trim (fuel, payload); one that has another
-        value then is refused, but for commands that the trim solves for
+        properties written before initialisation and trim (fuel, payload); one whose
+        value then changes is refused, except commands that the trim solves for
     properties : dict, optional
         properties written after the trim (turbulence)
     method : str

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 def pole_map(*models: LinearModel, title: str = "") -> Figure:
     """Poles of linear models, one colour each, with lines of constant damping ratio.
 
-    Two panels: all poles, and those near the origin, where the slow modes are. The modes of the
-    first model are named.
+    Two panels: all poles, and those of the slow modes near the origin. The modes of the first
+    model are named.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def _pole_axes(poles: np.ndarray, title: str) -> tuple[Figure, list[tuple[Axes, 
         ax.set(xlabel="real part [1/s]", ylabel="imaginary part [rad/s]")
         ax.grid(alpha=0.4)
     axes[0].set_title("all modes")
-    axes[1].set_title("the slow ones")
+    axes[1].set_title("slow modes")
     return figure, list(zip(axes, (fast, slow), strict=True))
 
 

@@ -28,7 +28,7 @@ _ORDERS = range(4, 21)
 # factor by which each additional state must reduce the error
 _WORTH = 0.8
 
-# singular values below this fraction of the largest are noise
+# singular values below this fraction of the maximum are noise
 _NOISE = 1e-7
 
 # a mode that decays to this fraction within one interval cannot be resolved

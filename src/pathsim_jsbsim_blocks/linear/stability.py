@@ -34,8 +34,8 @@ EXTRA_DELAY = 0.05  # s
 class Margins:
     """Stability margins of a loop L with negative feedback, and its frequency response.
 
-    They apply only if the closed loop is ``stable``; an unstable one, such as that of a law with
-    the wrong sign, has such numbers too.
+    They apply only if the closed loop is ``stable``; numbers are returned for an unstable one too,
+    such as that of a law with the wrong sign.
 
     Attributes
     ----------
@@ -63,8 +63,8 @@ class Margins:
     response : complex array, shape (k,)
         L at these frequencies
     stable : bool or None
-        whether all modes of the closed loop are stable or take more than 35 s to double; None for
-        a frequency response
+        whether all modes of the closed loop are stable or double in more than 35 s; None for a
+        frequency response
     """
 
     loop: str
@@ -212,8 +212,8 @@ def _loop(
     feedback = sum((widened(each) for each in inner), np.zeros((1, len(inputs), len(outputs))))
     command = aircraft[:, :, [inputs.index(outer.commands[0])]]
     difference = np.eye(len(outputs)) - aircraft @ feedback
-    moved = np.linalg.solve(difference, command)
-    L = -(widened(outer) @ moved)[:, inputs.index(outer.commands[0]), 0]
+    outputs_per_command = np.linalg.solve(difference, command)
+    L = -(widened(outer) @ outputs_per_command)[:, inputs.index(outer.commands[0]), 0]
     return L, np.linalg.det(difference)
 
 
@@ -226,7 +226,7 @@ class _Connected(NamedTuple):
     held: Sequence[str]  # measurements that the law requires
     references: Sequence[str]  # other outputs of the law
     response: Any  # frequency response at omega, shape (k, commands, measured)
-    growth: np.ndarray  # of its poles, 1/s
+    growth: np.ndarray  # real parts of its poles, 1/s
     sampled: bool = True
 
     def parted(self, rest: Sequence[str]) -> tuple[_Connected, _Connected]:
