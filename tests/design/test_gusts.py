@@ -135,10 +135,10 @@ def test_what_an_excess_costs(altitude, pitch, stop, cost):
     assert found.cost()[0] == pytest.approx(cost)
 
 
-def test_what_is_missed_is_said():
+def test_requirements_that_are_not_met_are_listed():
     rough = Rough(*(np.array(x) for x in ((18.0, 20.0), (3.7, 5.2), (0.009, 0.06))))
-    assert rough.said(0) == ()
-    assert rough.said(1) == (
+    assert rough.violations(0) == ()
+    assert rough.violations(1) == (
         "turbulence 20 ft rms",
         "turbulence 5.2 deg rms",
         "turbulence 6% at the throttle's stop",

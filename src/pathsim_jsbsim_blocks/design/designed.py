@@ -54,16 +54,16 @@ _INPUTS = ("elevator", "aileron", "rudder", "throttle")
 _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
 
 
-# of an aircraft without an engine, in flights with its other loops
+# gains of an aircraft without an engine, for flights with its other loops
 _NO_ALTITUDE, _NO_SPEED = AltitudeGains(0.0, 0.0, 0.0), SpeedGains(0.0, 0.0)
 
-Held = tuple[SpeedGains, LoopReport, AltitudeGains, LoopReport]
+SpeedAndAltitude = tuple[SpeedGains, LoopReport, AltitudeGains, LoopReport]
 
 
 @known_keywords
 @dataclass(frozen=True)
 class DesignedGains(AircraftGains):
-    """Gains from `design_gains` with the report of their design; every ``gains=`` takes them.
+    """Gains from `design_gains` with the report of their design, for ``gains=`` of every hold.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class DesignedGains(AircraftGains):
     aircraft : str
         the model's name
     condition : TrimCondition
-        at which they were designed
+        flight condition of the design
     report : tuple of LoopReport
     """
 
@@ -95,11 +95,11 @@ class DesignedGains(AircraftGains):
         return f"{self.aircraft}: {self.condition}\n{report_table(self.report)}\n{COLUMNS}"
 
 
-# what the report's columns are
+# legend of the report's columns
 COLUMNS = """\
 rad/s, dB, deg: crossover, gain and phase margin; Ms: peak of the sensitivity, +50 ms: delayed
 settles, over: a step's settling time and overshoot in its unit, predicted; flown: on the aircraft
-use: share of the control's remaining travel that the step takes; relaxed: requirements not met"""
+use: fraction of the control's remaining travel that the step uses; relaxed: requirements not met"""
 
 
 def report_table(report: tuple[LoopReport, ...]) -> str:
@@ -141,54 +141,54 @@ def design_gains(
 ) -> DesignedGains:
     """Gains of all loops of an aircraft at one condition of level flight, by loop shaping.
 
-    The linear model is identified from small pulses in flight, so that control system, actuators,
-    engines and sampling are in it. The loops are shaped one after the other, each with those before
-    it closed: pitch, roll, rudder, heading, airspeed, altitude. A search over crossover, phase
-    margin and integral time keeps the candidates with a sensitivity peak Ms of at most 1.4 (1.8
-    with 50 ms of additional delay) and margins of at least 7 dB and 45 deg, and computes their
-    steps on the linear model with ramps and limits. Those of airspeed and altitude are judged in
-    moderate turbulence, too: altitude within 60 ft, pitch angle within 5 deg rms, and the throttle
-    at a stop in 5 % of the time. Where no candidate meets all of these, the margins are relaxed in
-    steps, and the report says what is not met. In a glide (``mode="glide"``) the loops that need an
-    engine, airspeed and altitude, and the limits of the envelope are left out.
+    The linear model is identified from small pulses in flight, so it includes control system,
+    actuators, engines and sampling. The loops are shaped in sequence, each with the previous ones
+    closed: pitch, roll, rudder, heading, airspeed, altitude. A search over crossover, phase margin
+    and integral time selects the candidates with a sensitivity peak Ms of at most 1.4 (1.8 with
+    50 ms of additional delay) and margins of at least 7 dB and 45 deg, and computes their steps on
+    the linear model with ramps and limits. Airspeed and altitude are also judged in moderate
+    turbulence: altitude within 60 ft, pitch angle within 5 deg rms, and the throttle at a stop for
+    at most 5 % of the time. If no candidate meets all requirements, the margins are relaxed in
+    steps, and the report lists the unmet ones. In a glide (``mode="glide"``) the loops that require
+    an engine, airspeed and altitude, and the limits of the envelope are omitted.
 
     Parameters
     ----------
     aircraft : str
         name of the JSBSim model
     condition : TrimCondition, optional
-        level flight, or a glide; default: where `level_flight` trims it
+        level flight, or a glide; default: the condition of `level_flight`
     method : str
-        of the linear model, as in `Aircraft.linear_model`: "algebraic" where servos have hysteresis
-        that small pulses do not pass. Actuators and hysteresis are then not in it, and the report
-        says what limit cycle remains in the flown steps
+        of the linear model, as in `Aircraft.linear_model`: "algebraic" if servos have hysteresis
+        that small pulses do not overcome. The model then has no actuators or hysteresis, and the
+        report gives the limit cycle that remains in the flown steps
     T : float
         sample period of the loops in s
     substeps : int
         JSBSim steps per sample period
     check : bool
-        fly the steps in pitch and roll on the nonlinear aircraft too, and shape the loops once more
-        where the pitch angle or the bank overshoots too far there
+        fly the steps in pitch and roll on the nonlinear aircraft too, and shape the loops again if
+        the pitch angle or the bank overshoots too far
     near : list of AircraftGains, optional
-        gains at conditions around this one: of gains that are as good, those are found that differ
-        from them by no more than a factor of 1.5
+        gains at neighbouring conditions: among gains of equal quality, those that differ from them
+        by at most a factor of 1.5 are preferred
     **options
         ``setup``, ``properties``, ``root``, ``create``, ``allow_network`` or ``allow_files``, as
-        of `Aircraft`
+        in `Aircraft`
 
     Returns
     -------
     DesignedGains
-        with the margins, predicted and flown steps in ``report``; ``gains=`` of every hold takes it
+        with margins, predicted and flown steps in ``report``; use it as ``gains=`` of any hold
 
     Raises
     ------
     DesignError
-        for an aircraft that cannot be held, with the reason
+        if no gains hold the aircraft, with the reason
     TrimError
-        if it does not trim there
+        if it does not trim at the condition
     AircraftError, PropertyError, ParameterError
-        for unknown names and values that cannot be
+        for unknown names and values out of range
 
     References
     ----------
@@ -204,9 +204,9 @@ def design_gains(
     flag("check", check)
     check_near(near, AircraftGains)
     if condition is None:
-        found = level_flight(aircraft, options.get("root"), create=options.get("create"))
-        condition = found.condition
-        options = {**options, "create": found.create}
+        level = level_flight(aircraft, options.get("root"), create=options.get("create"))
+        condition = level.condition
+        options = {**options, "create": level.create}
 
     def fresh() -> Aircraft:
         return Aircraft(aircraft, condition=condition, T=T, substeps=substeps, **options)
@@ -231,21 +231,21 @@ def design_gains(
 
     def shaped(*attitudes: Loop) -> DesignedGains:
         loops = _loops(model, condition.altitude, trim, limits, Neighbours(near), *attitudes)
-        found = DesignedGains(**loops, envelope=limits, aircraft=aircraft, condition=condition)
-        return _flown(fresh, found) if check else found
+        gains = DesignedGains(**loops, envelope=limits, aircraft=aircraft, condition=condition)
+        return _flown(fresh, gains) if check else gains
 
     with _refused(aircraft, condition):
         designed = shaped(PITCH, ROLL)
         excess = _overshoots(designed)
         if not max(excess) > 1.0:
             return designed
-        # a kink at the trim: tighten the overshoot limit of the linear model by the excess
+        # the aircraft has a kink at the trim: tighten the linear overshoot limit by the excess
         again = shaped(*map(_tightened, (PITCH, ROLL), excess))
-    return min(designed, again, key=lambda found: max(_overshoots(found)))
+    return min(designed, again, key=lambda gains: max(_overshoots(gains)))
 
 
 def _overshoots(designed: DesignedGains) -> list[float]:
-    """Overshoots of pitch and roll in flight, in what they may be."""
+    """Overshoots of pitch and roll in flight, as fractions of the allowed ones."""
     flown = zip((PITCH, ROLL), designed.report, strict=False)
     return [row.flown_overshoot / loop.required.overshoot for loop, row in flown]
 
@@ -253,8 +253,8 @@ def _overshoots(designed: DesignedGains) -> list[float]:
 def _tightened(loop: Loop, excess: float) -> Loop:
     if not excess > 1.0:
         return loop
-    less = 0.9 * loop.required.overshoot / excess
-    return replace(loop, required=replace(loop.required, overshoot=less))
+    overshoot = 0.9 * loop.required.overshoot / excess
+    return replace(loop, required=replace(loop.required, overshoot=overshoot))
 
 
 @contextlib.contextmanager
@@ -273,17 +273,17 @@ def _refused(aircraft: str, condition: TrimCondition) -> Iterator[None]:
 def check_options(
     function: Callable[..., Any],
     options: Mapping[str, Any],
-    known: type[AircraftOptions] = AircraftOptions,
+    kind: type[AircraftOptions] = AircraftOptions,
 ) -> None:
     """Refuse keywords that are neither the function's own nor among its options."""
     names = [name for name in inspect.signature(function).parameters if name != "options"]
-    refuse_unknown(function.__name__, options, [*names, *known.__annotations__])
+    refuse_unknown(function.__name__, options, [*names, *kind.__annotations__])
 
 
-def check_near(near: Any, kind: type) -> None:
+def check_near(value: Any, kind: type) -> None:
     """Refuse anything but a list of gains."""
-    if not isinstance(near, Sequence) or not all(isinstance(gains, kind) for gains in near):
-        refuse("near", near, f"near must be a list of {kind.__name__}, not {reprlib.repr(near)}")
+    if not isinstance(value, Sequence) or not all(isinstance(gains, kind) for gains in value):
+        refuse("near", value, f"near must be a list of {kind.__name__}, not {reprlib.repr(value)}")
 
 
 def _has_power(trim: TrimState) -> bool:
@@ -292,11 +292,11 @@ def _has_power(trim: TrimState) -> bool:
 
 
 def plant_model(plane: Aircraft, method: Literal["flown", "algebraic"] = "flown") -> LinearModel:
-    """What the loops are shaped for: the aircraft about its trim."""
+    """Linear model of the aircraft about its trim, for which the loops are shaped."""
     inputs = _INPUTS if _has_power(plane.trim) else _INPUTS[:3]
     try:
         with warnings.catch_warnings():
-            # kinks at the trim; the steps are flown on the aircraft itself
+            # warnings of nonlinearity: the steps are flown on the aircraft itself anyway
             warnings.simplefilter("ignore", RuntimeWarning)
             return plane.linear_model(method, inputs, _OUTPUTS)
     except LinearisationError as error:
@@ -314,25 +314,25 @@ def _loops(
     altitude: float,
     trim: TrimState,
     limits: EnvelopeLimits | None,
-    near: Neighbours,
+    neighbours: Neighbours,
     pitching: Loop,
     rolling: Loop,
 ) -> dict[str, Any]:
-    """Gains of all loops, shaped one after the other, and the report."""
+    """Gains of all loops, shaped in sequence, and the report."""
     vt = float(model.x0[model.states.index("vt")])
     plant = in_turbulence(Plant.of(model), model, altitude)
     ramp = math.degrees(req.RAMP_LOAD * GRAVITY / vt)
     ramp = min(max(ramp, req.RAMP_LOW), req.RAMP_HIGH)
     low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
     travel = low - trim.elevator, high - trim.elevator
-    pitch, pitched = design_attitude(plant, pitching, ramp, travel, near)
+    pitch, pitched = design_attitude(plant, pitching, ramp, travel, neighbours)
     plant = closed(plant, PITCH, pitch, "theta_cmd")
-    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, rolling, trim, vt, near)
-    heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, near)
-    held: Held | None = None
+    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, rolling, trim, vt, neighbours)
+    heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, neighbours)
+    outer: SpeedAndAltitude | None = None
     if limits is not None:
-        held = _speed_and_altitude(plant, trim, limits, ramp, near)
-    speed, quick, climb, climbing = held or (None, _left_out("speed"), None, _left_out("altitude"))
+        outer = _speed_and_altitude(plant, trim, limits, ramp, neighbours)
+    speed, quick, climb, climbing = outer or (None, _left_out("speed"), None, _left_out("altitude"))
     report = [pitched, rolled, coordinated, steered, quick, climbing]
     return {
         "pitch": pitch,
@@ -352,23 +352,23 @@ def _left_out(loop: str) -> LoopReport:
 
 
 def _roll_and_yaw(
-    plant: Plant, loop: Loop, trim: TrimState, vt: float, near: Neighbours
+    plant: Plant, loop: Loop, trim: TrimState, vt: float, neighbours: Neighbours
 ) -> tuple[AttitudeGains, LoopReport, YawGains, LoopReport | None, Plant]:
-    """Gains of ailerons and of the rudder, shaped for the turn, and the plant with both closed."""
-    slip = math.sin(math.radians(trim.alpha))  # per roll
+    """Gains of ailerons and rudder, shaped for a turn, and the plant with both loops closed."""
+    slip = math.sin(math.radians(trim.alpha))  # rate of sideslip per roll rate
     slow = slip * req.ROLL_RAMP > req.ROLL_SLIP
     ramp = max(req.ROLL_SLIP / slip, req.ROLL_SLOW) if slow else req.ROLL_RAMP
     travel = -1.0 - trim.aileron, 1.0 - trim.aileron
     rudder = 1.0 - abs(trim.rudder)
 
     def rolled(yaw: YawGains) -> tuple[AttitudeGains, LoopReport]:
-        return design_attitude(damped(plant, yaw), loop, ramp, travel, near)
+        return design_attitude(damped(plant, yaw), loop, ramp, travel, neighbours)
 
     damper = design_yaw(plant, rudder)
     rolling = closed(plant, ROLL, rolled(damper)[0], "phi_cmd")
-    yaw, outcome = design_rudder(rolling, damper, rudder, vt, ramp, near)
-    gains, found = rolled(yaw)
-    return gains, found, yaw, outcome, closed(damped(plant, yaw), ROLL, gains, "phi_cmd")
+    yaw, outcome = design_rudder(rolling, damper, rudder, vt, ramp, neighbours)
+    gains, report = rolled(yaw)
+    return gains, report, yaw, outcome, closed(damped(plant, yaw), ROLL, gains, "phi_cmd")
 
 
 def _speed_and_altitude(
@@ -376,22 +376,22 @@ def _speed_and_altitude(
     trim: TrimState,
     limits: EnvelopeLimits,
     ramp: float,
-    near: Neighbours,
-) -> Held:
-    """Gains of throttle and rate of climb, each judged with the other held."""
+    neighbours: Neighbours,
+) -> SpeedAndAltitude:
+    """Gains of throttle and rate of climb, each judged with the other loop closed."""
     room = (-trim.throttle[0], 1.0 - trim.throttle[0])
     climb_max = max(limits.climb_max, req.NO_CLIMB)
     rise = min(max(req.RISE_OF_EXCESS * climb_max, req.LEAST_RISE), req.RISE)
     feed, per_knot = design_feed(plant, room, rise)
     step = STEP_REQUIREMENTS["speed"].size
     if per_knot * step >= req.THROTTLE_USE * room[1]:
-        step = -step
+        step = -step  # not enough throttle for a step up
     hdot_max = min(req.CLIMB, req.CLIMB_OF_EXCESS * climb_max)
-    speed = design_speed(plant, trim.speed, room, feed, near)
-    altitude, climbing = design_altitude(with_speed(plant, speed), ramp, hdot_max, room, near)
+    speed = design_speed(plant, trim.speed, room, feed, neighbours)
+    altitude, climbing = design_altitude(with_speed(plant, speed), ramp, hdot_max, room, neighbours)
     if not math.isfinite(climbing.settling):
-        why = "no gains of the pitch angle settle a step in altitude"
-        raise Unstable("altitude", why)
+        text = "no gains of the altitude loop settle a step"
+        raise Unstable("altitude", text)
     quick = speed_report(with_altitude(plant, altitude), speed, room, step)
     altitude = replace(altitude, theta_max=max(req.THETA_MAX, trim.theta + req.NOSE_UP))
     return speed, quick, altitude, climbing
@@ -400,7 +400,7 @@ def _speed_and_altitude(
 def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGains:
     """The report with the steps in pitch and roll flown on the nonlinear aircraft."""
     report = list(designed.report)
-    # the autopilot has all loops
+    # the autopilot requires gains for all loops
     gains = replace(
         designed, altitude=designed.altitude or _NO_ALTITUDE, speed=designed.speed or _NO_SPEED
     )
@@ -410,8 +410,8 @@ def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGa
             try:
                 flight = fly_step(fresh, gains, step, seconds=10.0)
             except FlightError as error:
-                why = f"the step in {row.loop} ends the flight: {error}"
-                raise Unstable(row.loop, why) from error
+                text = f"the step in {row.loop} ends the flight: {error}"
+                raise Unstable(row.loop, text) from error
             flown, relaxed = flight.quality, row.relaxed
             settling = math.inf if math.isnan(flown.settling) else flown.settling
             if math.isinf(settling):

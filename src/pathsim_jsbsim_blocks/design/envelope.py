@@ -1,4 +1,4 @@
-"""What an aircraft can fly at one altitude and airspeed: stall, climb and descent."""
+"""Limits of an aircraft at one altitude and airspeed: stall, climb and descent."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from ..errors import AircraftError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, trim
 from .requirements import ABOVE_STALL, ALPHA, LIFT
 
-# per deg; flatter curves have no angle without lift
+# minimum lift-curve slope over weight, 1/deg: flatter curves have no zero-lift angle
 _FLATTEST = 0.02
 
-# where the slowest trim is looked for, from that speed up to the trim's
+# airspeeds tried for the slowest trim, as fractions of the way up to the trim's airspeed
 _SLOWEST = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7)
 
-# throttles to try for the climb, shares of the remaining travel
+# throttles to try for the climb, as fractions of the remaining travel: full throttle may not trim
 _CLIMBS = (1.0, 0.7, 0.4)
 
 
 def envelope(
     fresh: Callable[[], Airframe], condition: TrimCondition, trimmed: TrimState, speed: float
 ) -> EnvelopeLimits:
-    """Measure the limits with airframes of its own.
+    """Measure the limits on separate airframes, which ``fresh`` creates.
 
-    The lift over the angle of attack is computed by JSBSim with the controls of the trim; climb
-    and descent are trims at full throttle and at idle.
+    JSBSim computes the lift over the angle of attack with the controls of the trim; climb and
+    descent are trims at full throttle and at idle.
 
-    ``fresh`` makes an airframe, ``trimmed`` was found at the ``condition`` of level flight, whose
-    airspeed is ``speed`` in KCAS.
+    ``trimmed`` is the trim at the ``condition`` of level flight, whose airspeed is ``speed`` in
+    KCAS.
     """
     airframe = fresh()
     state = trim(airframe, condition, hint=False)
@@ -46,10 +46,10 @@ def envelope(
     slowest = min(ABOVE_STALL * speed / math.sqrt(max(at_limit, 1.0)), speed)
     throttle = trimmed.throttle[0]
     climb = 0.0
-    for share in _CLIMBS:
-        found = _rate(fresh, condition, throttle + share * (1.0 - throttle))
-        if found is not None:
-            climb = found / share
+    for fraction in _CLIMBS:
+        rate = _rate(fresh, condition, throttle + fraction * (1.0 - throttle))
+        if rate is not None:
+            climb = rate / fraction
             break
     descent = _rate(fresh, condition, 0.0)
     slowest = _slowest(fresh, condition, slowest, speed)
@@ -64,7 +64,7 @@ def envelope(
 
 
 def _lift(airframe: Airframe, start: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lift over weight at angles of attack from ``start`` deg on, at the speed of the trim."""
+    """Lift over weight at angles of attack from ``start`` deg up, at the speed of the trim."""
     fdm = airframe.fdm
     weight = fdm["inertia/weight-lbs"]
     alpha = np.arange(start, 41.0)
@@ -81,7 +81,7 @@ def _lift(airframe: Airframe, start: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _trimmed(fresh: Callable[[], Airframe], condition: TrimCondition) -> Airframe | None:
-    """An airframe trimmed there, or None."""
+    """An airframe trimmed at the condition, or None."""
     try:
         airframe = fresh()
         trim(airframe, condition, hint=False)
@@ -93,9 +93,9 @@ def _trimmed(fresh: Callable[[], Airframe], condition: TrimCondition) -> Airfram
 def _slowest(
     fresh: Callable[[], Airframe], condition: TrimCondition, low: float, high: float
 ) -> float:
-    """The lowest of some airspeeds in KCAS at which level flight trims: elevator, thrust."""
-    for share in _SLOWEST:
-        speed = low + share * (high - low)
+    """The minimum airspeed in KCAS at which elevator and thrust trim level flight."""
+    for fraction in _SLOWEST:
+        speed = low + fraction * (high - low)
         if _trimmed(fresh, replace(condition, speed=speed, mach=None)) is not None:
             return speed
     return high
@@ -103,6 +103,6 @@ def _slowest(
 
 def _rate(fresh: Callable[[], Airframe], condition: TrimCondition, throttle: float) -> float | None:
     """Rate of climb in ft/s at a throttle and the same airspeed, or None without a trim."""
-    found = _trimmed(fresh, replace(condition, throttle=throttle))
+    airframe = _trimmed(fresh, replace(condition, throttle=throttle))
     # not from the path angle, which is relative to the ground and depends on the wind
-    return None if found is None else found.fdm["velocities/h-dot-fps"]
+    return None if airframe is None else airframe.fdm["velocities/h-dot-fps"]

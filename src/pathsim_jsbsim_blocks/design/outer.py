@@ -33,10 +33,10 @@ from .search import (
 )
 from .turbulence import Rough, at_a_stop, moved
 
-# periods of the loop in one step of a slow response
+# periods of the loop in one step of a slow response, to save time
 _COARSE = 6
 
-# of the gain with which the rudder would move the yaw rate as much as it is
+# fractions of the gain at which the rudder changes the yaw rate by the yaw rate itself
 _YAW_SHARES = np.geomspace(0.03, 1.5, 24)
 
 
@@ -54,12 +54,12 @@ def yaw_law(
 
 
 def damped(plant: Plant, gains: YawGains) -> Plant:
-    """The plant with the rudder's loops closed; ``rudder`` stays an input, added to theirs."""
+    """The plant with the rudder's loops closed; the input ``rudder`` is added to their output."""
     return plant.close("rudder", yaw_law(**vars(gains)), ("rudder", 1.0, 0.0))
 
 
 def design_yaw(plant: Plant, room: float) -> YawGains:
-    """Rudder from washed-out yaw rate: the lowest gain that damps the Dutch roll."""
+    """Rudder from washed-out yaw rate: the minimum gain that damps the Dutch roll."""
     best, bare = YawGains(K=0.0), dutch_roll(plant)
     if bare is None or bare[1] >= req.DUTCH_ROLL:
         return best
@@ -69,13 +69,13 @@ def design_yaw(plant: Plant, room: float) -> YawGains:
     K = sign * _YAW_SHARES / np.abs(g["r"][k])
     K = K[np.abs(K) * req.YAW_RATE <= req.RUDDER_USE * room]
     level = requirement_met(loop_margins(OMEGA, yaw_law(K[:, None]).of(g, plant.T)))
-    most = bare[1] + 0.02
+    damping_max = bare[1] + 0.02
     for gain in K[level == 0]:
         gains = YawGains(K=float(gain))
         mode = dutch_roll(damped(plant, gains))
         damping = 1.0 if mode is None else mode[1]
-        if damping >= most:
-            best, most = gains, damping
+        if damping >= damping_max:
+            best, damping_max = gains, damping
         if damping >= req.DUTCH_ROLL:
             break
     return best
@@ -90,22 +90,22 @@ def dutch_roll(plant: Plant) -> tuple[float, float] | None:
     other = np.abs(plant.row("q") @ vectors) + 1e-12
     lateral = (slip + turn) / (slip + turn + other)
     w = np.abs(s)
-    wanted = (s.imag > 0.2) & (w > 0.3) & (w < 15.0) & (lateral > 0.5)
-    if not wanted.any():
+    matches = (s.imag > 0.2) & (w > 0.3) & (w < 15.0) & (lateral > 0.5)
+    if not matches.any():
         return None
-    # as a kick of the rudder excites it
+    # weigh each mode by its response to a rudder impulse
     size = np.abs(np.linalg.pinv(vectors) @ plant.column("rudder"))
-    i = int(np.argmax(np.where(wanted, slip * size, -1.0)))
+    i = int(np.argmax(np.where(matches, slip * size, -1.0)))
     return float(w[i]), float(-s[i].real / w[i])
 
 
-# shares of the damper's gain; of the sideslip, what the rudder takes out at once, and the rate in
-# 1/s with which its integral takes out the rest
+# fractions of the damper's gain; fraction of the sideslip that the rudder removes at once, and the
+# rate in 1/s at which its integral removes the rest
 _SLIP_DAMPERS = np.linspace(0.0, 3.0, 7)
 _SLIP_GAINS = np.array([0.0, 0.2, 0.4, *np.linspace(0.8, 5.6, 7)])
 _SLIP_RATES = np.array([0.1, 0.15, 0.3, 0.6])
 
-# rad/s up to which a turn is entered
+# bandwidth of a turn's entry, rad/s
 _ENTRY = 0.6
 
 
@@ -115,11 +115,11 @@ def design_rudder(
     room: float,
     vt: float,
     ramp: float,
-    near: Neighbours = ALONE,
+    neighbours: Neighbours = ALONE,
 ) -> tuple[YawGains, LoopReport | None]:
-    """Rudder from yaw rate, sideslip and roll, so that a bank turns the aircraft and nothing else.
+    """Rudder from yaw rate, sideslip and roll, so that a bank turns the aircraft without sideslip.
 
-    An integral takes out the sideslip that remains, of a failed engine for example. ``plant`` has
+    An integral removes the remaining sideslip, after an engine failure for example. ``plant`` has
     the roll loop closed with the input ``phi_cmd``, and no loop at the rudder.
     """
     T = plant.T
@@ -128,7 +128,7 @@ def design_rudder(
     slip = np.abs(rudder["beta"][:60]).max()
     dampers = damper.K * _SLIP_DAMPERS if damper.K else np.zeros(1)
     K, P, rate = grid(dampers, _SLIP_GAINS, _SLIP_RATES)
-    K, P, Ki = near.joined("yaw", K=K, Kp=sign * P / slip, Ki=sign * rate * (1.0 + P) / slip)
+    K, P, Ki = neighbours.joined("yaw", K=K, Kp=sign * P / slip, Ki=sign * rate * (1.0 + P) / slip)
     used = (np.abs(K) * req.YAW_RATE + np.abs(P) * req.SIDESLIP) / room
     K, P, Ki, used = (x[used <= req.RUDDER_USE] for x in (K, P, Ki, used))
     law = yaw_law(K[:, None], damper.tau, P[:, None], Ki[:, None])
@@ -141,7 +141,7 @@ def design_rudder(
         req.BANK * (beta * entry).max(axis=1)
         + np.where(OMEGA < 10.0, psi, 0.0).max(axis=1)
         + 0.5 * used
-        + near.cost("yaw", K=K, Kp=P, Ki=Ki)
+        + neighbours.cost("yaw", K=K, Kp=P, Ki=Ki)
     )
     level = requirement_met(loop_margins(OMEGA, L))
     score = np.where(level < len(MARGINS), score + 10.0 * level, np.inf)
@@ -166,48 +166,48 @@ def design_rudder(
     return chosen, LoopReport("yaw", **margins_of(_of_rudder(plant, chosen), 0), use=use)
 
 
-# s of a turn's entry, and the shares of the best coordination that are tried for the margins
+# duration of a turn's entry, s, and fractions of the best coordination to try for the margins
 _ROLL_IN, _COORDINATED = 12.0, np.linspace(1.0, 0.3, 5)
 
-# cost of the rudder's whole travel, as deg of sideslip
+# cost of full rudder travel, as deg of sideslip
 _RUDDER_COST = 0.3
 
 
 def coordinate(plant: Plant, yaw: YawGains, room: float, ramp: float) -> YawGains:
-    """Rudder from roll rate and bank for the least sideslip in the entry of a turn.
+    """Rudder from roll rate and bank for minimum sideslip in the entry of a turn.
 
     ``plant`` has the roll loop closed with the input ``phi_cmd``, and no loop at the rudder;
-    ``room`` is the travel of the rudder, ``ramp`` that of the bank's reference in deg/s. For a
-    given roll the sideslip is linear in the two gains, so a linear programme finds its smallest
-    peak; this is repeated with the roll that results. The gains are then lowered until the rudder's
+    ``room`` is the rudder's travel, ``ramp`` the rate of the bank reference in deg/s. For one roll
+    response the sideslip is linear in the two gains, so a linear programme minimises its peak; this
+    is repeated with the resulting roll response. The gains are then reduced until the rudder's
     margins are met.
     """
-    feed, best, least = np.zeros(2), np.zeros(2), math.inf
+    feed, best, minimum = np.zeros(2), np.zeros(2), math.inf
     for _ in range(4):
-        beta, p, phi, kick = _entry(
+        beta, p, phi, impulse = _entry(
             plant, replace(yaw, Kroll=float(feed[0]), Kbank=float(feed[1])), ramp
         )
         use = np.abs(feed[0] * p + feed[1] * phi).max()
         score = np.abs(beta).max() + _RUDDER_COST * max(use / room - req.TURN_USE, 0.0)
-        if score < least:
-            best, least = feed, score
-        if not np.isfinite(kick).all():
+        if score < minimum:
+            best, minimum = feed, score
+        if not np.isfinite(impulse).all():
             break
-        effect = np.array([fftconvolve(kick, signal)[: len(kick)] for signal in (p, phi)])
+        effect = np.array([fftconvolve(impulse, signal)[: len(impulse)] for signal in (p, phi)])
         cost = _RUDDER_COST / room * np.array([np.abs(p).max(), np.abs(phi).max()])
         feed = feed + _least_peak(beta, effect.T, cost)
-    # a divergence that is there without them, as at low airspeed, is left to the outer loops
-    most = max(req.DIVERGENCE, 1.01 * damped(plant, yaw).growth())
-    for share in _COORDINATED:
-        gains = replace(yaw, Kroll=float(share * best[0]), Kbank=float(share * best[1]))
-        steady = damped(plant, gains).growth() < most
+    # the outer loops stabilise a divergence that exists without these gains, as at low airspeed
+    limit = max(req.DIVERGENCE, 1.01 * damped(plant, yaw).growth())
+    for fraction in _COORDINATED:
+        gains = replace(yaw, Kroll=float(fraction * best[0]), Kbank=float(fraction * best[1]))
+        steady = damped(plant, gains).growth() < limit
         if steady and requirement_met(_of_rudder(plant, gains))[0] == 0:
             return gains
     return yaw
 
 
 def _entry(plant: Plant, gains: YawGains, ramp: float) -> tuple[np.ndarray, ...]:
-    """Sideslip, roll rate and bank in the entry of a turn; sideslip after an impulse of rudder."""
+    """Sideslip, roll rate and bank in the entry of a turn; sideslip after a rudder impulse."""
     p = damped(plant, gains).slower(_COARSE)
     turn = p.steps(
         "phi_cmd",
@@ -216,22 +216,22 @@ def _entry(plant: Plant, gains: YawGains, ramp: float) -> tuple[np.ndarray, ...]
         1,
         _ROLL_IN,
     )
-    kick = p.steps("rudder", ("beta",), lambda k, y: float(k == 0), 1, _ROLL_IN)
-    return *turn[:, :, 0].T, kick[:, 0, 0]
+    impulse = p.steps("rudder", ("beta",), lambda k, y: float(k == 0), 1, _ROLL_IN)
+    return *turn[:, :, 0].T, impulse[:, 0, 0]
 
 
 def _least_peak(beta: np.ndarray, effect: np.ndarray, cost: np.ndarray) -> np.ndarray:
     """Gains that minimise max |beta + effect gains| plus a small cost of each gain's size."""
     m = len(cost)
-    # positive and negative parts of the gains, and the largest sideslip
+    # variables: positive and negative parts of the gains, and the peak sideslip
     one = np.ones((len(beta), 1))
     both = np.hstack([effect, -effect])
-    found = linprog(
+    solution = linprog(
         np.concatenate([cost, cost, [1.0]]),
         A_ub=np.block([[both, -one], [-both, -one]]),
         b_ub=np.concatenate([-beta, beta]),
     )
-    return np.zeros(m) if found.x is None else found.x[:m] - found.x[m : 2 * m]
+    return np.zeros(m) if solution.x is None else solution.x[:m] - solution.x[m : 2 * m]
 
 
 def _of_rudder(plant: Plant, gains: YawGains) -> LoopMargins:
@@ -249,36 +249,36 @@ def design_heading(
     settling: float,
     vt: float,
     straight: float = 0.0,
-    near: Neighbours = ALONE,
+    neighbours: Neighbours = ALONE,
 ) -> tuple[HeadingGains, LoopReport]:
     """Bank per heading error; ``plant`` has the roll loop closed with the input ``phi_cmd``.
 
-    The bank takes ``settling`` s and moves by ``ramp`` deg/s. ``straight`` is that of straight
-    flight in deg: with a propeller it is not 0.
+    The bank settles in ``settling`` s and moves at ``ramp`` deg/s. ``straight`` is the bank of
+    straight flight in deg, which a propeller makes different from 0.
     """
     turn = GRAVITY / vt  # psi-dot per phi, 1/s
-    (Kp,) = near.joined("heading", Kp=min(0.25, 0.7 / settling) / turn * _HEADING_SHARES)
+    (Kp,) = neighbours.joined("heading", Kp=min(0.25, 0.7 / settling) / turn * _HEADING_SHARES)
     Kp = np.clip(Kp, 0.3, 6.0)
-    found = loop_margins(OMEGA, Kp[:, None] * plant.response(OMEGA, "phi_cmd")["psi"])
-    level = requirement_met(found)
+    margins = loop_margins(OMEGA, Kp[:, None] * plant.response(OMEGA, "phi_cmd")["psi"])
+    level = requirement_met(margins)
     p, required = plant.slower(_COARSE), STEP_REQUIREMENTS["heading"]
     cmd = np.zeros(len(Kp))
 
     def law(k: int, y: np.ndarray) -> np.ndarray:
-        wanted = np.clip(Kp * (required.size - y[0]), -req.BANK, req.BANK)
-        cmd[:] += np.clip(wanted - cmd, -ramp * p.T, ramp * p.T)
+        target = np.clip(Kp * (required.size - y[0]), -req.BANK, req.BANK)
+        cmd[:] += np.clip(target - cmd, -ramp * p.T, ramp * p.T)
         return cmd
 
     y = p.steps("phi_cmd", ("psi", "phi"), law, len(Kp), 60.0)
     time, over, _ = step_quality(y[:, 0] - required.size, required.tolerance, p.T)
     bank = np.abs(y[:, 1]).max(axis=0)
     score = time + 200.0 * np.maximum(over - 0.5 * required.overshoot, 0.0) + 10.0 * level
-    score += required.size / (turn * req.BANK) * near.cost("heading", Kp=Kp)
+    score += required.size / (turn * req.BANK) * neighbours.cost("heading", Kp=Kp)
     i = int(np.argmin(np.where(np.isfinite(score), score, 1e6 + over)))
     if level[i] == len(MARGINS) or not math.isfinite(time[i]):
-        raise Unstable("heading", "no gains from the heading to the bank settle a turn")
+        raise Unstable("heading", "no gain of the heading loop settles a turn")
     return HeadingGains(Kp=float(Kp[i]), bank=straight), reported(
-        "heading", found, i, required, time[i], over[i], bank[i] / req.BANK
+        "heading", margins, i, required, time[i], over[i], bank[i] / req.BANK
     )
 
 
@@ -292,13 +292,13 @@ def speed_law(T: float, Kp: Any, Ki: Any, Kd: Any, Kc: Any, Tf: float = SpeedGai
 
 
 def with_speed(plant: Plant, gains: SpeedGains) -> Plant:
-    """The plant with the airspeed loop closed; the throttle is an output of it."""
+    """The plant with the airspeed loop closed; the throttle becomes an output."""
     law = speed_law(plant.T, gains.Kp, gains.Ki, gains.Kd, gains.Kc, gains.Tf)
     return plant.close("throttle", law, ("vc_cmd", gains.Kp * gains.b, gains.Ki), "throttle")
 
 
 def design_speed(
-    plant: Plant, vc: float, room: tuple[float, float], Kc: float, near: Neighbours = ALONE
+    plant: Plant, vc: float, room: tuple[float, float], Kc: float, neighbours: Neighbours = ALONE
 ) -> SpeedGains:
     """Throttle from airspeed and rate of climb: one loop for all conditions of an aircraft.
 
@@ -306,13 +306,13 @@ def design_speed(
         \\dot V = a \\, u - d \\, V, \\qquad
         K_p = \\frac{\\omega_c}{a}, \\qquad K_i = \\frac{K_p}{T_i}
 
-    with the slopes of `level_slopes`, and within a range of crossovers the one with which an error
-    of 12 kt uses the throttle that is left. The weight b of the reference cancels the slower pole
-    of the closed loop, or the airspeed would overshoot. ``plant`` has the pitch angle held, ``vc``
-    is the airspeed in KCAS, ``room`` the throttle's lowest and highest increment, ``Kc`` what is
-    fed forward. Where there are neighbours the loop is theirs, but for ``Kc``.
+    with the slopes of `level_slopes`. Within its range, the crossover is that at which an error of
+    12 kt uses the remaining throttle. The weight b of the reference cancels the slower pole of the
+    closed loop; otherwise the airspeed would overshoot. ``plant`` has the pitch angle held, ``vc``
+    is the airspeed in KCAS, ``room`` the minimum and maximum throttle increment, ``Kc`` the
+    feed-forward of the rate of climb. If there are neighbours, all gains but ``Kc`` are theirs.
     """
-    for gains in near.gains:
+    for gains in neighbours.gains:
         if gains.speed is not None:
             return replace(gains.speed, Kc=Kc)
     thrust, drag = level_slopes(plant)
@@ -321,7 +321,7 @@ def design_speed(
     Kp, Ti, half = crossover / thrust, req.SPEED_TIME, 0.5 * (crossover + drag)
     slower = half - math.sqrt(max(half * half - crossover / Ti, 0.0))
     if not min(thrust, slower) > 0.0:
-        raise Unstable("speed", "the throttle does not hold the airspeed of level flight")
+        raise Unstable("speed", "the throttle cannot hold the airspeed of level flight")
     return SpeedGains(
         Kp=Kp,
         Ki=Kp / Ti,
@@ -334,10 +334,10 @@ def design_speed(
 
 
 def level_slopes(plant: Plant) -> tuple[float, float]:
-    """Acceleration by full throttle in kt/s, and by a kt of airspeed, taken off, in 1/s.
+    """Acceleration per full throttle in kt/s, and deceleration per kt of airspeed in 1/s.
 
-    Below the crossover of the airspeed loop, where engines follow, and with the pitch angle that
-    keeps the rate of climb at 0.
+    Evaluated below the crossover of the airspeed loop, as engines follow up to there, and with the
+    pitch angle that keeps the rate of climb at 0.
     """
     w = np.array([0.5 * req.SPEED_CROSSOVERS[1]])
     throttle, theta = plant.response(w, "throttle"), plant.response(w, "theta_cmd")
@@ -351,10 +351,10 @@ def speed_report(
 ) -> LoopReport:
     """Margins, and a ``step`` in kt; ``plant`` has the altitude held, and may have turbulence."""
     L, moves = moved(plant, speed_law(plant.T, gains.Kp, gains.Ki, gains.Kd, gains.Kc), "throttle")
-    found, none = loop_margins(OMEGA, L[None]), np.zeros(1)
-    if requirement_met(found)[0] == len(MARGINS):
+    margins, zero = loop_margins(OMEGA, L[None]), np.zeros(1)
+    if requirement_met(margins)[0] == len(MARGINS):
         raise Unstable("speed", "no gains of the throttle hold the airspeed")
-    rough = Rough(none, none, at_a_stop(moves["throttle"][None], room))
+    rough = Rough(zero, zero, at_a_stop(moves["throttle"][None], room))
     p, required = plant.slower(_COARSE), SPEED.required
     error, peak = tracked(
         p,
@@ -370,29 +370,28 @@ def speed_report(
     )
     time, over, _ = step_quality(error, required.tolerance, p.T)
     use = peak[0] / min(-room[0], room[1])
-    return reported("speed", found, 0, required, time[0], over[0], use, rough.said(0))
+    return reported("speed", margins, 0, required, time[0], over[0], use, rough.violations(0))
 
 
 def design_feed(plant: Plant, room: tuple[float, float], rise: float) -> tuple[float, float]:
-    """Throttle per rate of climb that keeps the airspeed, s/ft, and throttle per kt, both slow.
+    """Throttle per rate of climb that holds the airspeed, s/ft, and per kt, at low frequency.
 
-    ``plant`` has the pitch loop closed; a ``rise`` of so many ft/s may use all of the throttle's
-    remaining travel.
+    ``plant`` has the pitch loop closed; a ``rise`` in ft/s may use the remaining throttle.
     """
     w = np.array([0.05])
     throttle, theta = plant.response(w, "throttle"), plant.response(w, "theta_cmd")
-    need = -theta["vc"] / throttle["vc"]
-    climb = theta["hdot"] + need * throttle["hdot"]
-    most = min(-room[0], room[1]) / rise
+    ratio = -theta["vc"] / throttle["vc"]
+    climb = theta["hdot"] + ratio * throttle["hdot"]
+    limit = min(-room[0], room[1]) / rise
     gain = float(np.abs(plant.response(OMEGA[:1], "throttle")["vc"])[0])
-    return float(np.clip((need / climb).real[0], 0.0, most)), 1.0 / gain
+    return float(np.clip((ratio / climb).real[0], 0.0, limit)), 1.0 / gain
 
 
 _CLIMB_CROSSOVERS = np.geomspace(0.15, 1.6, 32)
 _CLIMB_PHASES = np.linspace(60.0, 108.0, 7)
 _CLIMB_RATIOS = np.geomspace(2.5, 24.0, 7)
 
-# share of the time at the largest rate of climb in which no step is done
+# lower bound of a step's settling time, as a fraction of the time at the maximum rate of climb
 _SOONEST = 0.8
 
 
@@ -402,11 +401,11 @@ def altitude_law(Kp: Any, Ki: Any, Kh: Any) -> Law:
 
 
 def with_altitude(plant: Plant, gains: AltitudeGains) -> Plant:
-    """The plant with the altitude loop closed; ``theta_cmd`` is not an input any more."""
+    """The plant with the altitude loop closed, without the input ``theta_cmd``."""
     return plant.close("theta_cmd", altitude_law(gains.Kp, gains.Ki, gains.Kh))
 
 
-def _altitude_candidates(plant: Plant, near: Neighbours) -> np.ndarray:
+def _altitude_candidates(plant: Plant, neighbours: Neighbours) -> np.ndarray:
     """Kp, Ki and Kh of all combinations."""
     g = plant.response(OMEGA, "theta_cmd")["hdot"]
     w, phase = grid(_CLIMB_CROSSOVERS, _CLIMB_PHASES)
@@ -417,7 +416,8 @@ def _altitude_candidates(plant: Plant, near: Neighbours) -> np.ndarray:
     climb = Law({"hdot": (Kp[:, None], Ki[:, None])})
     wc = loop_margins(OMEGA, climb.of({"hdot": g}, plant.T)).crossover
     k, r = grid(np.arange(len(Kp)), _CLIMB_RATIOS)
-    return np.array(near.joined("altitude", Kp=Kp[k], Ki=Ki[k], Kh=np.minimum(wc[k] / r, 0.3)))
+    Kh = np.minimum(wc[k] / r, 0.3)
+    return np.array(neighbours.joined("altitude", Kp=Kp[k], Ki=Ki[k], Kh=Kh))
 
 
 def design_altitude(
@@ -425,25 +425,25 @@ def design_altitude(
     ramp: float,
     hdot_max: float,
     room: tuple[float, float] = (-1.0, 1.0),
-    near: Neighbours = ALONE,
+    neighbours: Neighbours = ALONE,
 ) -> tuple[AltitudeGains, LoopReport]:
     """Pitch reference from the rate of climb; ``plant`` has pitch and airspeed loops closed.
 
-    ``ramp`` is that of the pitch reference in deg/s, ``hdot_max`` the largest rate of climb in
-    ft/s, ``room`` the throttle's.
+    ``ramp`` is the rate of the pitch reference, deg/s, ``hdot_max`` the maximum rate of climb,
+    ft/s, ``room`` the throttle's minimum and maximum increment.
     """
-    gains, required = _altitude_candidates(plant, near), STEP_REQUIREMENTS["altitude"]
+    gains, required = _altitude_candidates(plant, neighbours), STEP_REQUIREMENTS["altitude"]
     Kp, Ki, Kh = gains
     L, moves = moved(plant, altitude_law(*gains[:, :, None]), "theta_cmd", "h", "theta", "throttle")
     rough = Rough(moves["h"], moves["theta"], at_a_stop(moves["throttle"], room))
-    found = loop_margins(OMEGA, L)
-    level = requirement_met(found)
+    margins = loop_margins(OMEGA, L)
+    level = requirement_met(margins)
     soonest = _SOONEST * required.size / hdot_max
-    cost = 30.0 * level + 6.0 * found.crossover + rough.cost()
-    cost += soonest * near.cost("altitude", Kp=Kp, Ki=Ki, Kh=Kh)
+    cost = 30.0 * level + 6.0 * margins.crossover + rough.cost()
+    cost += soonest * neighbours.cost("altitude", Kp=Kp, Ki=Ki, Kh=Kh)
     pick = np.flatnonzero(level < len(MARGINS))
     if not len(pick):
-        raise Unstable("altitude", "no gains from the rate of climb to the pitch are stable")
+        raise Unstable("altitude", "no gains of the rate of climb are stable")
 
     def fly(j: np.ndarray) -> tuple[np.ndarray, ...]:
         error, speed, peak = _climbs(plant, gains[:, j], ramp, hdot_max)
@@ -461,34 +461,35 @@ def design_altitude(
     j, time, over, _, peak = _least(pick, cost + soonest, fly)
     return AltitudeGains(
         Kh=float(Kh[j]), Kp=float(Kp[j]), Ki=float(Ki[j]), hdot_max=hdot_max
-    ), reported("altitude", found, j, required, time, over, peak / 10.0, rough.said(j))
+    ), reported("altitude", margins, j, required, time, over, peak / 10.0, rough.violations(j))
 
 
-# candidates flown at first, and how many times as many each time after: most of the time of a step
-# does not depend on how many are flown
+# candidates of the first batch, and factor of the next ones: most of the time of a step response
+# does not depend on the number of candidates
 _BATCH, _MORE = 256, 4
 
 
 def _least(
     pick: np.ndarray, floor: np.ndarray, fly: Callable[[np.ndarray], tuple[np.ndarray, ...]]
 ) -> tuple[Any, ...]:
-    """The candidate of ``pick`` with the least score, and what else ``fly`` says of it.
+    """The candidate of ``pick`` with the minimum score, and its other results of ``fly``.
 
-    ``fly`` gives the scores of some candidates, none less than its ``floor``, then settling time,
-    overshoot, last error and peak; where nothing settles, the last error decides.
+    ``fly`` returns the scores of some candidates, each at least its ``floor``, then settling time,
+    overshoot, last error and peak. If no candidate settles, the last error decides.
     """
     order = pick[np.argsort(floor[pick], kind="stable")]
     best: tuple[Any, ...] = ()
     batch = _BATCH
     while len(order):
-        some, order = order[:batch], order[batch:]
+        candidates, order = order[:batch], order[batch:]
         batch *= _MORE
-        score, *found = fly(some)
-        late = np.nan_to_num(found[2], nan=math.inf)
+        score, *results = fly(candidates)
+        late = np.nan_to_num(results[2], nan=math.inf)
         score = np.where(np.isfinite(score), score, 1e6 + late)
         i = int(np.argmin(score))
         if not best or score[i] < best[0]:
-            best = (float(score[i]), int(some[i]), *(float(x[i]) for x in found))
+            best = (float(score[i]), int(candidates[i]), *(float(x[i]) for x in results))
+        # the others cannot be better than their floor
         order = order[floor[order] < best[0]]
     return best[1:]
 
@@ -496,15 +497,15 @@ def _least(
 def _climbs(
     plant: Plant, gains: np.ndarray, ramp: float, hdot_max: float
 ) -> tuple[np.ndarray, ...]:
-    """Errors of climbs, shape (samples, loops), and largest changes of airspeed and pitch."""
+    """Errors of climbs, shape (samples, loops), and maximum changes of airspeed and pitch."""
     p, step = plant.slower(_COARSE), STEP_REQUIREMENTS["altitude"].size
     Kp, Ki, Kh = gains
-    most = ramp * p.T
+    step_max = ramp * p.T
     total, cmd, peak = np.zeros((3, len(Kh)))
 
     def law(k: int, y: np.ndarray) -> np.ndarray:
         error = np.minimum(np.maximum(Kh * (step - y[0]), -hdot_max), hdot_max) - y[1]
-        cmd[:] += np.minimum(np.maximum(Kp * error + total - cmd, -most), most)
+        cmd[:] += np.minimum(np.maximum(Kp * error + total - cmd, -step_max), step_max)
         total[:] += Ki * p.T * error
         np.maximum(peak, np.abs(cmd), out=peak)
         return cmd

@@ -1,4 +1,4 @@
-"""A linear aircraft as the sampled loops see it: difference equations with names."""
+"""A linear aircraft, sampled with its loops: difference equations with named signals."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.linalg import expm
 
 from ..linear.model import LinearModel
 
-OMEGA = np.geomspace(0.02, 300.0, 220)  # rad/s, of margins
+OMEGA = np.geomspace(0.02, 300.0, 220)  # frequencies of the margins, rad/s
 
 
 def integral(omega: np.ndarray, T: float) -> np.ndarray:
@@ -22,7 +22,7 @@ def integral(omega: np.ndarray, T: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Law:
-    """What a loop feeds back, linear; gains are numbers, or columns of numbers for many laws.
+    """Linear feedback law; gains are numbers, or columns of numbers for many laws.
 
     .. math::
         u = -\\sum_i \\left(P_i + \\frac{I_i T}{z - 1}
@@ -31,16 +31,16 @@ class Law:
     Attributes
     ----------
     gains : dict
-        from the name of an output to P, or P and I, or P, I and W
+        maps the name of an output to P, or P and I, or P, I and W
     tau : float
-        s, of the wash-out; 0 where there is none
+        time constant of the wash-out, s; 0 without one
     """
 
     gains: Mapping[str, tuple[Any, ...]]
     tau: float = 0.0
 
     def of(self, y: Mapping[str, np.ndarray], T: float) -> np.ndarray:
-        """What is fed back of responses ``y`` at `OMEGA`; of those to the law's own input, L."""
+        """Feedback from the responses ``y`` at `OMEGA`; with the responses to its own input, L."""
         parts: list[Any] = [1.0, integral(OMEGA, T)]
         if self.tau:
             z = np.exp(1j * OMEGA * T)
@@ -72,8 +72,7 @@ class Plant:
     def of(cls, model: LinearModel) -> Plant:
         """The sampled aircraft with its latency.
 
-        Angles, rates and speeds have no direct feedthrough; what the identification finds of it
-        is left out.
+        Angles, rates and speeds have no direct feedthrough, so the identified one is omitted.
         """
         n, m = model.B.shape
         both = np.zeros((n + m, n + m))
@@ -90,7 +89,7 @@ class Plant:
             if not k:
                 B[:n, j] = effect
                 continue
-            # a shift register: the command enters at its last place and acts from the first
+            # a shift register delays the command by k periods: it enters last and acts first
             A[:n, end] = effect
             A[range(end, end + k - 1), range(end + 1, end + k)] = 1.0
             B[end + k - 1, j] = 1.0
@@ -121,8 +120,8 @@ class Plant:
     ) -> Plant:
         """The plant with a law around one input.
 
-        ``reference`` names the input that takes its place, with P and I of the law's answer to it.
-        ``command`` names a further output: what the law moves without the reference.
+        ``reference`` names the input that replaces it, with the law's P and I for that reference.
+        ``command`` names a further output: the law's command without the reference.
         """
         n, T, b = len(self.A), self.T, self.column(input_)
         direct, summed, washed = rows = np.zeros((3, n))
@@ -158,13 +157,13 @@ class Plant:
         loops: int,
         seconds: float,
     ) -> np.ndarray:
-        """Outputs of many loops at once over time, shape (samples, outputs, loops).
+        """Outputs of many loops over time, shape (samples, outputs, loops).
 
-        ``law`` gives the commands of all loops from the number of the sample and the outputs.
+        ``law`` returns the commands of all loops from the sample number and the outputs.
         """
         rows = np.array([self.row(name) for name in outputs])
         moves = np.column_stack([self.A, self.column(input_)])
-        # the command is the last row of the state
+        # the command is the last row of the state, so that one product advances all loops
         n, x = len(self.A), np.zeros((len(self.A) + 1, loops))
         y = np.empty((round(seconds / self.T), len(rows), loops))
         with np.errstate(over="ignore", invalid="ignore"):
@@ -175,7 +174,7 @@ class Plant:
         return y
 
     def slower(self, n: int) -> Plant:
-        """The same with inputs held over ``n`` periods."""
+        """The same plant with inputs held over ``n`` periods."""
         A, B = self.A, self.B
         for _ in range(n - 1):
             B = self.A @ B + self.B

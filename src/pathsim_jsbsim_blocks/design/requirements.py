@@ -1,4 +1,4 @@
-"""What the loops are held to: one table, for the search, the flights and the documentation."""
+"""Requirements of the loops: one table for the search, the flights and the documentation."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from ..linear.stability import LoopMargins
 
 
 class MarginRequirement(NamedTuple):
-    """What the margins of a loop must be at least, and its sensitivity at most."""
+    """Minimum margins of a loop, and its maximum sensitivity."""
 
     Ms: float
-    Ms_delayed: float  # with 50 ms of delay more
+    Ms_delayed: float  # with 50 ms of additional delay
     gain: float  # dB
     phase: float  # deg
 
@@ -23,7 +23,7 @@ class MarginRequirement(NamedTuple):
         return f"Ms {self.Ms:g}, {self.gain:g} dB, {self.phase:g} deg"
 
 
-# the first is what is asked for; the others are what is taken where it cannot be had
+# the first row is the target; the rest are successive fallbacks
 MARGINS = (
     MarginRequirement(1.4, 1.8, 7.0, 45.0),
     MarginRequirement(1.5, 2.0, 6.5, 42.0),
@@ -34,7 +34,7 @@ MARGINS = (
 
 
 def requirement_met(m: LoopMargins) -> np.ndarray:
-    """Number of the first of `MARGINS` that each loop meets; their count where it meets none."""
+    """Index of the first row of `MARGINS` that each loop meets, or the number of rows."""
     met = [
         (m.Ms <= r.Ms) & (m.Ms_delayed <= r.Ms_delayed) & (m.gain >= r.gain) & (m.phase >= r.phase)
         for r in MARGINS
@@ -44,18 +44,18 @@ def requirement_met(m: LoopMargins) -> np.ndarray:
 
 @dataclass(frozen=True)
 class StepRequirement:
-    """A step of a loop's reference, and what it is held to; lengths are in the output's unit."""
+    """A step of a loop's reference and its requirements, in the unit of the output."""
 
     size: float
-    tolerance: float  # settled is what stays within it
+    tolerance: float  # error that counts as settled
     unit: str
-    seconds: float  # of flight after the step
-    settling: float = math.inf  # s, at the design point
-    settling_off: float = math.inf  # and off it
-    quick: float = 0.0  # s; no credit below this
+    seconds: float  # duration of the flight after the step, s
+    settling: float = math.inf  # maximum at the design point, s
+    settling_off: float = math.inf  # maximum off the design point, s
+    quick: float = 0.0  # settling time below which there is no credit, s
     overshoot: float = math.inf
-    final_error: float = math.inf  # largest in the last 5 s
-    use: float = math.inf  # largest share of the command's remaining travel
+    final_error: float = math.inf  # maximum in the last 5 s
+    use: float = math.inf  # maximum fraction of the command's remaining travel
 
 
 STEP_REQUIREMENTS = {
@@ -68,62 +68,62 @@ STEP_REQUIREMENTS = {
     ),
 }
 
-# ft of altitude kept in a step of the airspeed, at the design point and off it
+# maximum altitude error in an airspeed step, at the design point and off it, ft
 ALTITUDE_KEPT, ALTITUDE_KEPT_OFF = 15.0, 22.5
 
-# off the design point: deg of sideslip in a turn, s at the end of a command's travel
+# off the design point: sideslip in a turn, deg, and time of a command at the end of its travel, s
 MAX_SIDESLIP, MAX_SECONDS_AT_A_STOP = 1.0, 1.0
 
-# moderate turbulence: ft, deg of rms, share of the time with the throttle at a stop; shares of the
-# latter two that are aimed at, because single flights scatter
+# moderate turbulence: altitude error, ft; rms of the pitch angle, deg; fraction of the time with
+# the throttle at a stop. The search aims at fractions of the latter two, as single flights scatter
 ALTITUDE_IN_TURBULENCE, PITCH_IN_TURBULENCE, STOP_IN_TURBULENCE = 60.0, 5.0, 0.05
 PITCH_AIM, STOP_AIM = 0.75, 0.2
 
-# g, deg/s: load of a pitch reference that moves, and the limits of its rate
+# load factor increment of a moving pitch reference, g, and the limits of its rate, deg/s
 RAMP_LOAD, RAMP_LOW, RAMP_HIGH = 0.7, 2.0, 6.0
 
-# deg: highest pitch reference, and what it is at least above that of level flight
+# maximum pitch reference, and its minimum above the pitch angle of level flight, deg
 THETA_MAX, NOSE_UP = 15.0, 6.0
 
-# deg/s: rate of the roll reference, and the limits of it where the nose is high: a roll about the
-# body's axis turns the angle of attack into sideslip, by so many deg/s
+# rate of the roll reference, its minimum at a high angle of attack, and the maximum rate of the
+# sideslip into which a roll about the body axis turns the angle of attack, deg/s
 ROLL_RAMP, ROLL_SLOW, ROLL_SLIP = 10.0, 5.0, 1.2
 
-# deg: bank of a turn
+# bank of a turn, deg
 BANK = 25.0
 
-# largest rate of climb that is demanded: ft/s, of the excess climb
+# maximum commanded rate of climb: ft/s, and as a fraction of the excess climb
 CLIMB, CLIMB_OF_EXCESS = 25.0, 0.8
 
-# kt: an airspeed error that may use all of the throttle that is left; what is beyond is a gust, and
-# counts less
+# airspeed error that may use all of the remaining throttle, kt; a larger one is a gust, and its
+# excess counts less
 GUST = 12.0
 
-# rad/s: lowest and highest crossover of the airspeed loop; s: its Kp / Ki; kt/s: least rate of its
-# reference; s in which the reference moves by the airspeed, where that is faster
+# airspeed loop: minimum and maximum crossover, rad/s; Kp / Ki, s; minimum rate of its reference,
+# kt/s; time in which the reference changes by the airspeed if that is faster, s
 SPEED_CROSSOVERS, SPEED_TIME, SPEED_RAMP, SPEED_RAMP_TIME = (0.15, 0.2), 30.0, 1.0, 225.0
 
-# share of the largest lift at which the angle of attack is limited, and the highest limit, deg;
-# lowest airspeed over that of level flight at this angle
+# fraction of the maximum lift at which the angle of attack is limited, and the maximum limit, deg;
+# minimum airspeed over that of level flight at this angle
 LIFT, ALPHA, ABOVE_STALL = 0.92, 20.0, 1.1
 
-# damping ratio of the Dutch roll; divergence that is left to the loops around, 1/s
+# damping ratio of the Dutch roll; divergence rate that is left to the outer loops, 1/s
 DUTCH_ROLL, DIVERGENCE = 0.35, 0.03
 
-# largest share of the rudder's remaining travel: for so many deg/s of yaw and deg of sideslip, and
-# in the entry of a turn
+# maximum fraction of the rudder's remaining travel, for a yaw rate in deg/s and a sideslip in deg,
+# and in the entry of a turn
 RUDDER_USE, YAW_RATE, SIDESLIP, TURN_USE = 0.9, 10.0, 5.0, 0.6
 
-# largest share of the throttle's remaining travel that a step up in airspeed may hold
+# maximum fraction of the throttle's remaining travel held after a step up in airspeed
 THROTTLE_USE = 0.7
 
-# ft/s: rate of climb whose feed-forward uses all of the throttle's remaining travel: the first, or
-# so many times the excess climb where that is less, but no less than the third; an excess climb
-# below the last is none: the altitude is designed for a descent
+# rate of climb whose feed-forward uses all of the throttle's remaining travel, ft/s: the first, or
+# the second times the excess climb if that is less, but at least the third. With an excess climb
+# below the last, the altitude loop is designed for a descent
 RISE, RISE_OF_EXCESS, LEAST_RISE, NO_CLIMB = 40.0, 2.0, 25.0, 2.0
 
-# largest factor between a gain at neighbouring conditions, unless the aircraft changes by more, and
-# what the search aims at
+# maximum factor between the gains at neighbouring conditions, unless the aircraft changes by more,
+# and the factor that the search aims at
 CHANGE, CHANGE_AIM = 1.5, 1.4
 
 
@@ -131,37 +131,37 @@ _FURTHER = f"""
 
 | further | at the design point | off it |
 |---|--:|--:|
-| altitude kept in a step of the airspeed | {ALTITUDE_KEPT:g} ft | {ALTITUDE_KEPT_OFF:g} ft |
+| altitude error in a step of the airspeed | {ALTITUDE_KEPT:g} ft | {ALTITUDE_KEPT_OFF:g} ft |
 | sideslip in the turn | | {MAX_SIDESLIP:g} deg |
 | a command at its stop | | {MAX_SECONDS_AT_A_STOP:g} s |
-| altitude in moderate turbulence, largest error | {ALTITUDE_IN_TURBULENCE:g} ft | |
+| maximum altitude error in moderate turbulence | {ALTITUDE_IN_TURBULENCE:g} ft | |
 | pitch angle in moderate turbulence | {PITCH_IN_TURBULENCE:g} deg rms | |
 | throttle at a stop in moderate turbulence | {STOP_IN_TURBULENCE:.0%} of the time | |
 | damping ratio of the Dutch roll | {DUTCH_ROLL:g} | |
-| divergence that is left to the loops around | {DIVERGENCE:g} 1/s | |
-| rudder for {YAW_RATE:g} deg/s of yaw and {SIDESLIP:g} deg of sideslip, of what is left \
+| divergence that is left to the outer loops | {DIVERGENCE:g} 1/s | |
+| rudder for {YAW_RATE:g} deg/s of yaw and {SIDESLIP:g} deg of sideslip, of its remaining travel \
 | {RUDDER_USE:g} | |
-| rudder in the entry of a turn, of what is left | {TURN_USE:g} | |
-| factor between the gains of neighbouring conditions, and what the search aims at \
+| rudder in the entry of a turn, of its remaining travel | {TURN_USE:g} | |
+| factor between the gains of neighbouring conditions, and the aim of the search \
 | {CHANGE:g}, {CHANGE_AIM:g} | |
 
-| demanded at most | |
+| maximum commanded | |
 |---|--:|
-| load of a pitch reference that moves | {RAMP_LOAD:g} g |
+| load factor increment of a moving pitch reference | {RAMP_LOAD:g} g |
 | its rate | {RAMP_LOW:g} to {RAMP_HIGH:g} deg/s |
 | pitch reference | {THETA_MAX:g} deg, {NOSE_UP:g} deg above level flight |
 | rate of the roll reference | {ROLL_RAMP:g} deg/s |
-| sideslip by a roll, p sin &alpha;, but no slower than {ROLL_SLOW:g} deg/s | {ROLL_SLIP:g} deg/s |
+| sideslip rate in a roll, p sin &alpha;, but p at least {ROLL_SLOW:g} deg/s | {ROLL_SLIP:g} deg/s |
 | bank of a turn | {BANK:g} deg |
 | rate of climb | {CLIMB:g} ft/s, {CLIMB_OF_EXCESS:.0%} of the excess |
-| rate of climb that is fed all of the throttle | {RISE:g} ft/s, \
-or {RISE_OF_EXCESS:g} times the excess where less, but no less than {LEAST_RISE:g} ft/s |
-| step up of the airspeed in the design, of the throttle that is left | {THROTTLE_USE:g} |
-| error of the airspeed that uses the throttle that is left, and counts in full | {GUST:g} kt |
+| rate of climb whose feed-forward is the remaining throttle | {RISE:g} ft/s, \
+or {RISE_OF_EXCESS:g} times the excess if less, but at least {LEAST_RISE:g} ft/s |
+| step up of the airspeed in the design, of the remaining throttle | {THROTTLE_USE:g} |
+| airspeed error that uses the remaining throttle, and counts in full | {GUST:g} kt |
 | crossover of the airspeed loop, and its Kp / Ki \
 | {SPEED_CROSSOVERS[0]:g} to {SPEED_CROSSOVERS[1]:g} rad/s, {SPEED_TIME:g} s |
 | rate of its reference | {SPEED_RAMP:g} kt/s, or the airspeed in {SPEED_RAMP_TIME:g} s |
-| angle of attack | {ALPHA:g} deg, {LIFT:.0%} of the largest lift |"""
+| angle of attack | {ALPHA:g} deg, {LIFT:.0%} of the maximum lift |"""
 
 
 def requirements_table() -> str:
@@ -170,14 +170,14 @@ def requirements_table() -> str:
     def limit(value: float, unit: str) -> str:
         return "" if math.isinf(value) else f"{value:g} {unit}".rstrip()
 
-    rows = ["| margins | Ms | with 50 ms more | gain | phase |", "|---|--:|--:|--:|--:|"]
+    rows = ["| margins | Ms | with 50 ms of delay | gain | phase |", "|---|--:|--:|--:|--:|"]
     for i, m in enumerate(MARGINS):
-        name = f"relaxed, {i}" if i else "asked for"
+        name = f"fallback {i}" if i else "target"
         rows.append(f"| {name} | {m.Ms:g} | {m.Ms_delayed:g} | {m.gain:g} dB | {m.phase:g} deg |")
     rows += [
         "",
         "| step | settles to | within | off the design point | overshoot | error at the end "
-        "| share of the travel |",
+        "| fraction of the travel |",
         "|---|--:|--:|--:|--:|--:|--:|",
     ]
     for loop, r in STEP_REQUIREMENTS.items():

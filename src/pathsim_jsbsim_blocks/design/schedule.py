@@ -36,16 +36,16 @@ class DesignOptions(AircraftOptions, total=False):
 
 @dataclass(frozen=True)
 class DesignedSchedule:
-    """What `design_schedule` has found.
+    """Result of `design_schedule`.
 
     Attributes
     ----------
     designs : tuple of DesignedGains
         sorted by altitude, then by airspeed
     nominal : int
-        index of the design for holds that do not know the airspeed
+        index of the design for holds without an airspeed
     refused : tuple of (TrimCondition, Exception)
-        conditions without gains, and why
+        conditions without gains, and the error of each
     """
 
     designs: tuple[DesignedGains, ...]
@@ -54,7 +54,7 @@ class DesignedSchedule:
 
     @property
     def schedule(self) -> GainSchedule:
-        """The gains over altitude and airspeed, which ``gains=`` of every hold takes."""
+        """The gains over altitude and airspeed, for ``gains=`` of every hold."""
         return GainSchedule(
             aircraft=self.designs[0].aircraft,
             points=tuple(
@@ -76,17 +76,17 @@ class DesignedSchedule:
             if the file cannot be written; an existing one is left unchanged
         """
         condition = replace(self.designs[self.nominal].condition, speed=1.0, altitude=0)
-        told = str(condition).replace("altitude=0.0, ", "").replace("speed=1.0, ", "")
+        text = str(condition).replace("altitude=0.0, ", "").replace("speed=1.0, ", "")
         write_gains(
             path,
             self.schedule,
-            {"versions": {"jsbsim": version("jsbsim")}, "condition": told},
+            {"versions": {"jsbsim": version("jsbsim")}, "condition": text},
             [{row.loop: _plain(row) for row in d.report} for d in self.designs],
         )
 
 
 def _plain(row: LoopReport) -> dict[str, Any]:
-    """A row of a report without its name and without numbers that JSON lacks."""
+    """A row of a report without its name and without NaN and infinity, which JSON lacks."""
     numbers = {k: x for k, x in vars(row).items() if isinstance(x, float) and math.isfinite(x)}
     return numbers | ({"relaxed": row.relaxed} if row.relaxed else {})
 
@@ -95,10 +95,10 @@ def _sorted(name: str, values: Any, **bounds: Any) -> list[float]:
     """Checked numbers without repetition, in ascending order."""
     if np.asarray(values, dtype=object).ndim != 1:
         must_be(name, values, "a list of numbers")
-    found = sorted({number(name, value, **bounds) for value in values})
-    if not found:
-        refuse(name, values, f"{name} is empty")
-    return found
+    numbers = sorted({number(name, value, **bounds) for value in values})
+    if not numbers:
+        refuse(name, values, f"{name} must have at least one number")
+    return numbers
 
 
 def design_schedule(
@@ -113,25 +113,25 @@ def design_schedule(
 ) -> DesignedSchedule:
     """Design gains at each of some altitudes and airspeeds.
 
-    The first design is the one nearest to ``condition``; each further one keeps to the gains of its
-    neighbours as far as it is no worse for it. Conditions at which the aircraft does not trim or
-    cannot be held are left out. Between the others the holds interpolate. A hold that does not know
-    the airspeed takes those nearest to ``condition``.
+    The first design is the one nearest to ``condition``; the search of each further one prefers
+    gains close to its neighbours' among those of equal quality. Conditions at which the aircraft
+    does not trim or no gains hold it are omitted; the holds interpolate between the others. A hold
+    without an airspeed uses the gains nearest to ``condition``.
 
     Parameters
     ----------
     aircraft : str
         name of the JSBSim model
     condition : TrimCondition
-        everything but altitude and airspeed: gear, flaps, fuel
+        all but altitude and airspeed: gear, flaps, fuel
     altitudes : list of float
         ft
     speeds : list of float
         KCAS
     progress : callable, optional
-        gets each design, or the error instead
+        called with each design, or with its error
     near : list of DesignedGains, optional
-        designs of further altitudes and airspeeds, as neighbours of those to be found
+        designs at further altitudes and airspeeds, as neighbours of the new ones
     **options
         ``method``, ``T``, ``substeps`` and ``check`` as of `design_gains`, and the options of the
         aircraft that it has
@@ -139,9 +139,9 @@ def design_schedule(
     Raises
     ------
     DesignError, TrimError
-        if there are gains at no condition: the first error
+        if no condition has gains: the first error
     ParameterError
-        for no altitude, no airspeed, a value that cannot be, a Mach number, or an unknown option
+        for an empty list, a value out of range, a Mach number, or an unknown option
     """
     check_options(design_schedule, options, DesignOptions)
     check_condition(condition)
@@ -152,26 +152,27 @@ def design_schedule(
         refuse(
             "mach",
             condition.mach,
-            "a schedule is over the calibrated airspeed: give speeds instead of mach",
+            "a schedule is over the calibrated airspeed: set speeds instead of mach",
         )
     levels = _sorted("altitudes", altitudes)
     airspeeds = _sorted("speeds", speeds, above=0.0)
     conditions = [replace(condition, altitude=h, speed=vc) for h in levels for vc in airspeeds]
     designs: list[DesignedGains] = []
     refused: list[tuple[TrimCondition, Exception]] = []
-    for there in sorted(conditions, key=lambda there: _away(there, condition)):
-        found: DesignedGains | Exception
+    # from the nominal condition outwards, so that each point has a neighbour
+    for point in sorted(conditions, key=lambda point: _distance(point, condition)):
+        outcome: DesignedGains | Exception
         try:
-            before = [*near, *designs]
-            # the airspeed loop is that of any
-            beside = _neighbours(before, there) or before[:1]
-            found = design_gains(aircraft, there, near=beside, **options)
-            designs.append(found)
+            previous = [*near, *designs]
+            # any design has the airspeed loop of all
+            neighbours = _neighbours(previous, point) or previous[:1]
+            outcome = design_gains(aircraft, point, near=neighbours, **options)
+            designs.append(outcome)
         except (DesignError, TrimError) as error:
-            found = error
-            refused.append((there, error))
+            outcome = error
+            refused.append((point, error))
         if progress is not None:
-            progress(found)
+            progress(outcome)
     if not designs:
         raise refused[0][1]
     first = designs[0]
@@ -179,20 +180,20 @@ def design_schedule(
     return DesignedSchedule(tuple(designs), designs.index(first), tuple(refused))
 
 
-def _away(there: TrimCondition, condition: TrimCondition) -> float:
-    """How far a condition is from another one."""
-    apart = abs(there.altitude - condition.altitude) / 1e5
-    return abs(math.log(there.speed / condition.speed)) + apart
+def _distance(a: TrimCondition, b: TrimCondition) -> float:
+    """Measure of the difference in airspeed and altitude between two conditions."""
+    altitude = abs(a.altitude - b.altitude) / 1e5
+    return abs(math.log(a.speed / b.speed)) + altitude
 
 
-def _neighbours(designs: Sequence[DesignedGains], there: TrimCondition) -> list[DesignedGains]:
+def _neighbours(designs: Sequence[DesignedGains], point: TrimCondition) -> list[DesignedGains]:
     """The next designs at lower and higher airspeed, and at lower and higher altitude."""
-    found = []
+    neighbours = []
     for same, other in (("altitude", "speed"), ("speed", "altitude")):
-        here = getattr(there, other)
-        row = [d for d in designs if getattr(d.condition, same) == getattr(there, same)]
-        below = [d for d in row if getattr(d.condition, other) < here]
-        above = [d for d in row if getattr(d.condition, other) > here]
-        found += sorted(below, key=lambda d: -getattr(d.condition, other))[:1]
-        found += sorted(above, key=lambda d: getattr(d.condition, other))[:1]
-    return found
+        value = getattr(point, other)
+        row = [d for d in designs if getattr(d.condition, same) == getattr(point, same)]
+        below = [d for d in row if getattr(d.condition, other) < value]
+        above = [d for d in row if getattr(d.condition, other) > value]
+        neighbours += sorted(below, key=lambda d: -getattr(d.condition, other))[:1]
+        neighbours += sorted(above, key=lambda d: getattr(d.condition, other))[:1]
+    return neighbours

@@ -21,7 +21,7 @@ from .requirements import (
     requirement_met,
 )
 
-# of many loops, shape (gains, loops)
+# gains of many loops, shape (gains, loops)
 Gains = Sequence[np.ndarray] | np.ndarray
 
 
@@ -35,7 +35,7 @@ class Unstable(Exception):
 
 @dataclass(frozen=True)
 class LoopReport:
-    """How good one loop is.
+    """Margins and step response of one loop.
 
     Attributes
     ----------
@@ -46,17 +46,17 @@ class LoopReport:
     gain_margin, phase_margin : float
         dB, deg
     Ms, Ms_delayed : float
-        largest magnitude of the sensitivity 1 / (1 + L), without and with 50 ms of additional
+        maximum magnitude of the sensitivity 1 / (1 + L), without and with 50 ms of additional
         delay
     settling, overshoot : float
         of the step, in s and in the unit of the reference, predicted by the linear model; NaN for
         the rudder's loops
     use : float
-        share of the command's remaining travel that the step uses
+        fraction of the command's remaining travel that the step uses
     flown_settling, flown_overshoot : float
-        of the same step on the nonlinear aircraft; NaN where it was not flown
+        of the same step on the nonlinear aircraft; NaN if it was not flown
     relaxed : str
-        what the loop does not meet of what is asked for; empty if it meets all
+        requirements that the loop does not meet; empty if it meets all
     """
 
     loop: str
@@ -81,7 +81,7 @@ def margins_of(m: LoopMargins, k: int) -> dict[str, Any]:
 
 def reported(
     loop: str,
-    found: LoopMargins,
+    margins: LoopMargins,
     j: int,
     step: StepRequirement,
     settling: float,
@@ -89,8 +89,8 @@ def reported(
     use: float,
     more: Sequence[str] = (),
 ) -> LoopReport:
-    """The report of the loop ``j`` of those found; ``more`` is what else it does not meet."""
-    level = requirement_met(found)[j]
+    """The report of loop ``j``; ``more`` are further requirements that it does not meet."""
+    level = requirement_met(margins)[j]
     missed = [str(MARGINS[level])] if level else []
     if not math.isfinite(settling):
         missed.append("settling")
@@ -100,7 +100,7 @@ def reported(
         missed.append(f"overshoot {overshoot:.2g} {step.unit}")
     return LoopReport(
         loop,
-        **margins_of(found, j),
+        **margins_of(margins, j),
         settling=float(settling),
         overshoot=float(overshoot),
         use=float(use),
@@ -108,13 +108,13 @@ def reported(
     )
 
 
-# cost of a factor of e beyond what is aimed at; share of the largest candidate below which a gain
-# counts as that
+# cost of a factor of e beyond the aim; fraction of the maximum candidate that a smaller gain counts
+# as, so that the ratio of two negligible gains costs nothing
 _PRICE, _LEAST = 0.5, 0.05
 
 
 class Neighbours:
-    """Gains at the conditions around one, for the search of the gains there."""
+    """Gains at the neighbouring conditions, which the search of the gains at one starts from."""
 
     def __init__(self, gains: Sequence[AircraftGains] = ()):
         self.gains = tuple(gains)
@@ -124,19 +124,19 @@ class Neighbours:
         scale = CHANGE_AIM ** np.linspace(-1.0, 1.0, 5)
         return tuple(
             np.concatenate(
-                [x, *(getattr(getattr(near, loop), name) * scale for near in self.gains)]
+                [x, *(getattr(getattr(gains, loop), name) * scale for gains in self.gains)]
             )
             for name, x in candidates.items()
         )
 
     def cost(self, loop: str, **candidates: np.ndarray) -> np.ndarray:
-        """Cost of gains that differ from the neighbours', in shares of the time of a quick step."""
+        """Cost of gains that differ from the neighbours', as a fraction of a quick step's time."""
         total = np.zeros(len(next(iter(candidates.values()))))
-        for near in self.gains:
+        for gains in self.gains:
             for name, x in candidates.items():
-                other = abs(getattr(getattr(near, loop), name))
-                least = max(_LEAST * max(np.abs(x).max(), other), 1e-12)
-                factor = np.maximum(np.abs(x), least) / max(other, least)
+                other = abs(getattr(getattr(gains, loop), name))
+                minimum = max(_LEAST * max(np.abs(x).max(), other), 1e-12)
+                factor = np.maximum(np.abs(x), minimum) / max(other, minimum)
                 total += np.maximum(np.abs(np.log(factor)) - math.log(CHANGE_AIM), 0.0)
         return _PRICE * total
 
@@ -146,14 +146,14 @@ ALONE = Neighbours()
 
 @dataclass(frozen=True)
 class Loop:
-    """A loop that holds an output at a reference; names are those in the plant."""
+    """A loop that holds an output at a reference; names are the plant's."""
 
     name: str
     input: str
     output: str
     rate: str
     required: StepRequirement
-    sign: float = 1.0  # -1 where a positive command lowers the output
+    sign: float = 1.0  # -1 if a positive command lowers the output
 
     def law(self, Kp: Any, Ki: Any, Kr: Any) -> Law:
         """The law's feedback: proportional, integral, and of the rate."""
@@ -164,16 +164,16 @@ class Loop:
 PITCH = Loop("pitch", "elevator", "theta", "q", STEP_REQUIREMENTS["pitch"], -1.0)
 ROLL = Loop("roll", "aileron", "phi", "p", STEP_REQUIREMENTS["roll"])
 
-# rad/s, deg, Ki / (Kp crossover), b
+# crossovers in rad/s, phase margins in deg, Ki / (Kp crossover), b
 _CROSSOVERS = np.geomspace(0.25, 6.0, 16)
 _PHASES = np.linspace(45.0, 110.0, 8)
 _RATIOS = np.geomspace(0.07, 1.0, 8)
 _WEIGHTS = np.linspace(0.0, 1.0, 6)
 
-# candidates flown in time, and for how many s
+# number of candidates whose step is computed, and its duration, s
 _FLOWN, _SECONDS = 80, 28.0
 
-# relaxation with which a loop that settles is good enough
+# index of the margins from which any loop that settles is accepted
 _ENOUGH = 2
 
 
@@ -192,15 +192,15 @@ def at(omega: np.ndarray, response: np.ndarray) -> np.ndarray:
 def crossing(x: np.ndarray, y: np.ndarray, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Gains a, b for which a x + b y has size 1 and a phase margin in deg.
 
-    Where b would be negative, it is 0 and the phase margin is what results; a may be negative.
+    If b would be negative, it is 0 and the phase margin differs; a may be negative.
     """
     target = -np.exp(1j * np.radians(phase))
     det = x.real * y.imag - x.imag * y.real
     with np.errstate(divide="ignore", invalid="ignore"):
         a = (target.real * y.imag - target.imag * y.real) / det
         b = (x.real * target.imag - x.imag * target.real) / det
-    alone = ~(b >= 0.0)
-    return np.where(alone, 1.0 / np.abs(x), a), np.where(alone, 0.0, b)
+    negative = ~(b >= 0.0)
+    return np.where(negative, 1.0 / np.abs(x), a), np.where(negative, 0.0, b)
 
 
 def design_attitude(
@@ -208,40 +208,40 @@ def design_attitude(
     loop: Loop,
     ramp: float,
     room: tuple[float, float],
-    near: Neighbours = ALONE,
+    neighbours: Neighbours = ALONE,
 ) -> tuple[AttitudeGains, LoopReport]:
-    """Gains of a pitch or roll loop, and how good they are.
+    """Gains of a pitch or roll loop, and its report.
 
-    ``ramp`` is the rate of the reference in deg/s, ``room`` the lowest and highest increment of
+    ``ramp`` is the rate of the reference in deg/s, ``room`` the minimum and maximum increment of
     the command.
     """
     g, required = plant.response(OMEGA, loop.input), loop.required
     own = _shaped(loop.sign * g[loop.output], loop.sign * g[loop.rate], plant.T)
-    gains = np.array(near.joined(loop.name, Kp=own[0], Ki=own[1], Kr=own[2]))
-    found = loop_margins(OMEGA, loop.law(*gains[:, :, None]).of(g, plant.T))
-    level = requirement_met(found)
-    # rate feedback alone may cross again above the highest crossover
-    level[found.crossover > 1.6 * _CROSSOVERS[-1]] = len(MARGINS)
-    # no faster than needed
-    cost = 1.5 * level + 0.1 * found.crossover
-    cost += required.quick * near.cost(loop.name, Kp=gains[0], Ki=gains[1], Kr=gains[2])
-    best, least, flown = None, math.inf, np.zeros(len(level), dtype=bool)
+    gains = np.array(neighbours.joined(loop.name, Kp=own[0], Ki=own[1], Kr=own[2]))
+    margins = loop_margins(OMEGA, loop.law(*gains[:, :, None]).of(g, plant.T))
+    level = requirement_met(margins)
+    # rate feedback alone may cross again above the maximum crossover
+    level[margins.crossover > 1.6 * _CROSSOVERS[-1]] = len(MARGINS)
+    # among equal loops prefer the slower one, which is less sensitive to delay
+    cost = 1.5 * level + 0.1 * margins.crossover
+    cost += required.quick * neighbours.cost(loop.name, Kp=gains[0], Ki=gains[1], Kr=gains[2])
+    best, minimum, flown = None, math.inf, np.zeros(len(level), dtype=bool)
     for allowed in range(len(MARGINS)):
         pick = np.flatnonzero((level <= allowed) & ~flown)
         if not len(pick):
             continue
-        theirs = pick >= len(own[0])
-        pick = np.concatenate([_spread(pick[~theirs], found), pick[theirs]])
+        adopted = pick >= len(own[0])
+        pick = np.concatenate([_spread(pick[~adopted], margins), pick[adopted]])
         flown[pick] = True
         k, b = grid(pick, _WEIGHTS)
         score, settling, over, use = _scored(plant, loop, ramp, room, gains[:, k], b)
         i = int(np.argmin(score + cost[k]))
         j = k[i]
-        if score[i] + cost[j] < least:
-            least = score[i] + cost[j]
+        if score[i] + cost[j] < minimum:
+            minimum = score[i] + cost[j]
             best = (
                 AttitudeGains(*(float(x) for x in (*gains[:, j], b[i], ramp))),
-                reported(loop.name, found, j, required, settling[i], over[i], use[i]),
+                reported(loop.name, margins, j, required, settling[i], over[i], use[i]),
             )
         if best and (not best[1].relaxed or allowed >= _ENOUGH):
             break
@@ -251,7 +251,7 @@ def design_attitude(
 
 
 def _shaped(G: np.ndarray, R: np.ndarray, T: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Kp, Ki, Kr with a crossover, a phase margin and Ki / (Kp crossover) each."""
+    """Kp, Ki, Kr for all combinations of crossover, phase margin and Ki / (Kp crossover)."""
     w, phase, ratio = grid(_CROSSOVERS, _PHASES, _RATIOS)
     Kp, Kr = crossing(at(w, G) * (1.0 + ratio * w * integral(w, T)), at(w, R), phase)
     good = np.isfinite(Kp) & (Kp > 0.0)
@@ -261,7 +261,7 @@ def _shaped(G: np.ndarray, R: np.ndarray, T: float) -> tuple[np.ndarray, np.ndar
 
 
 def _spread(pick: np.ndarray, m: LoopMargins) -> np.ndarray:
-    """At most `_FLOWN` candidates over all crossovers, the fast ones more densely."""
+    """At most `_FLOWN` candidates over all crossovers, more of the fast ones."""
     if len(pick) <= _FLOWN:
         return pick
     order = pick[np.argsort(m.crossover[pick] + 1e-3 * m.Ms[pick])]
@@ -276,7 +276,7 @@ def _scored(
     gains: Gains,
     b: np.ndarray,
 ) -> tuple[np.ndarray, ...]:
-    """Score, settling time, overshoot and share of the travel used in steps of the reference."""
+    """Score, settling time, overshoot and used fraction of the travel in reference steps."""
     required = loop.required
     error, peak = tracked(plant, loop, required.size, _SECONDS, ramp, room, gains, b)
     settling, over, late = step_quality(error, required.tolerance, plant.T)
@@ -302,7 +302,7 @@ def settled(error: np.ndarray, tolerance: float, T: float) -> np.ndarray:
 def step_quality(
     error: np.ndarray, tolerance: float, T: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Settling time, overshoot, and largest error in the last 5 s, of errors that end below 0."""
+    """Settling time, overshoot, and maximum error in the last 5 s, of errors from below."""
     late = np.abs(error[-round(5.0 / T) :]).max(axis=0)
     return settled(error, tolerance, T), np.maximum(error.max(axis=0), 0.0), late
 
@@ -319,25 +319,25 @@ def tracked(
     Tf: float = 0.0,
     band: float = math.inf,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Errors in a step of the reference, shape (samples, loops), and the largest commands.
+    """Errors in a step of the reference, shape (samples, loops), and the maximum commands.
 
     Errors are below 0 before the step is reached. The ``gains`` are Kp, which acts on the output
-    behind a lag of ``Tf`` s, Ki and Kr; of an error beyond the ``band`` a share counts, as in
-    `SpeedLoop`.
+    behind a lag of ``Tf`` s, Ki and Kr; only a fraction of an error beyond the ``band`` counts, as
+    in `SpeedLoop`.
     """
     Kp, Ki, Kr = gains
-    T, way = plant.T, math.copysign(1.0, size)
+    T, sign = plant.T, math.copysign(1.0, size)
     total, lagged, peak = np.zeros((3, len(Kp)))
     low, high = sorted(loop.sign * np.array(room))
     unwind = np.minimum(T * Ki / np.maximum(Kp, 1e-12), 0.5)
-    share = -math.expm1(-T / Tf) if Tf else 1.0
+    gain = -math.expm1(-T / Tf) if Tf else 1.0
 
     def law(k: int, y: np.ndarray) -> np.ndarray:
-        r = way * np.minimum(k * T * ramp, abs(size))
+        r = sign * np.minimum(k * T * ramp, abs(size))
         error = r - y[0]
         if math.isfinite(band):
             error -= BEYOND * (error - np.minimum(np.maximum(error, -band), band))
-        lagged[:] += share * (r - error - lagged)
+        lagged[:] += gain * (r - error - lagged)
         v = Kp * (b * r - lagged) + total - Kr * y[1]
         u = np.minimum(np.maximum(v, low), high)
         np.maximum(peak, np.abs(v), out=peak)
@@ -345,10 +345,10 @@ def tracked(
         return loop.sign * u
 
     y = plant.steps(loop.input, (loop.output, loop.rate), law, len(Kp), seconds)
-    return way * (y[:, 0] - size), peak
+    return sign * (y[:, 0] - size), peak
 
 
 def closed(plant: Plant, loop: Loop, gains: AttitudeGains, reference: str) -> Plant:
-    """The plant with the loop closed; ``reference`` in place of the actuator."""
+    """The plant with the loop closed and the input ``reference`` in place of the actuator."""
     s, law = loop.sign, loop.law(gains.Kp, gains.Ki, gains.Kr)
     return plant.close(loop.input, law, (reference, s * gains.Kp * gains.b, s * gains.Ki))

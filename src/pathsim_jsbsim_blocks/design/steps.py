@@ -13,13 +13,13 @@ from ..flight.aircraft import Aircraft
 from ..guidance.autopilot import Autopilot
 from .requirements import STEP_REQUIREMENTS, StepRequirement
 
-# s of flight before the step: the first step after a trim disturbs turbines
+# flight before the step, s: the start after a trim disturbs turbines
 BEFORE = 2.0
 
 
 @dataclass(frozen=True)
 class Step:
-    """A step of one reference: port of the `Autopilot`, its other inputs, output flown."""
+    """A step of one reference: port of the `Autopilot`, its mode inputs, output of the aircraft."""
 
     port: str
     output: str
@@ -41,11 +41,11 @@ STEPS = {
 
 @dataclass(frozen=True)
 class Flown:
-    """One step, flown."""
+    """Result of a flown step."""
 
     quality: ResponseQuality
     time: np.ndarray  # s from the step on
-    outputs: dict[str, np.ndarray]  # of the aircraft
+    outputs: dict[str, np.ndarray]  # outputs of the aircraft
     stop: float  # longest time in s for which a command was at the end of its travel
 
 
@@ -58,8 +58,8 @@ def fly_step(
 ) -> Flown:
     """Fly a step in a plain loop of an aircraft and the autopilot.
 
-    ``fresh`` makes a trimmed aircraft; ``size`` and ``seconds`` of flight stand in for the step's
-    own. Raises `FlightError` if the flight ends.
+    ``fresh`` creates a trimmed aircraft; ``size`` and ``seconds`` of flight replace the step's own.
+    Raises `FlightError` if the flight ends early.
     """
     size = step.required.size if size is None else size
     plane = fresh()
@@ -81,7 +81,7 @@ def fly_step(
         for port, i in wired:
             u[port] = y[i]
         if k == before:
-            # from where it is: the reference found at engagement stays
+            # an increment on the value at engagement
             u[ports[step.port]] = size
         out, state = autopilot.law(u, state)
         command[:4] = out[:4]

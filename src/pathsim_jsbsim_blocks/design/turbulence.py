@@ -1,4 +1,4 @@
-"""Turbulence on a linear aircraft: how far it moves what the loops hold, and the throttle."""
+"""Response of a linear aircraft with closed loops to turbulence."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ AIR = ("along", "up")
 def in_turbulence(plant: Plant, model: LinearModel, altitude: float) -> Plant:
     """The plant with moderate turbulence at an altitude in ft: white noise at two further inputs.
 
-    The states of the aircraft are those relative to the air. Where the air accelerates they change
-    by the opposite, and the aircraft rises with it:
+    The aircraft's states are relative to the air. If the air accelerates, they change by the
+    opposite, and the aircraft rises with the air:
 
     .. math::
         \\dot V = \\ldots - \\dot u, \\quad \\dot\\alpha = \\ldots + \\dot w / V, \\quad
         \\dot h = \\ldots + w
 
-    with u along the flight path and w up. Both are noise through a lag, of L / V and L / 2V, with
-    the rms and the lengths of `dryden_field`, as JSBSim's MIL-spec turbulence has them.
+    with u along the flight path and w up. Both are noise through a first-order lag, of L / V and
+    L / 2V, with the rms and the lengths of `dryden_field`, as in JSBSim's MIL-spec turbulence.
 
-    If the model has states that no output shows, or lacks one of these, the plant stays as it is:
-    what the air does to it is unknown.
+    If the model lacks one of these states, or has states that appear in no output, the effect of
+    the air is unknown and the plant is returned unchanged.
     """
     n, T = len(plant.A), plant.T
     states = list(model.states)
@@ -43,13 +43,13 @@ def in_turbulence(plant: Plant, model: LinearModel, altitude: float) -> Plant:
     size = np.array([field.sigma_u, field.sigma_w]) * np.sqrt(2.0 * rate)
     fade = np.exp(-rate * T)
     enters = (1.0 - fade) / rate * size
-    # what increments of u and w do to the states, and w itself
-    moves, lifts = np.zeros((n, 2)), np.zeros((n, 2))
+    # effect of increments of u and w on the states, and of w itself
+    moves, rise = np.zeros((n, 2)), np.zeros((n, 2))
     moves[states.index("vt"), 0] = -1.0
     moves[states.index("alpha"), 1] = math.degrees(1.0 / vt)
-    lifts[states.index("h"), 1] = T
+    rise[states.index("h"), 1] = T
     m = plant.B.shape[1]
-    A = np.block([[plant.A, moves * (fade - 1.0) + lifts], [np.zeros((2, n)), np.diag(fade)]])
+    A = np.block([[plant.A, moves * (fade - 1.0) + rise], [np.zeros((2, n)), np.diag(fade)]])
     B = np.block([[plant.B, moves * enters], [np.zeros((2, m)), np.diag(enters)]])
     C = np.hstack([plant.C, np.zeros((len(plant.C), 2))])
     C[plant.outputs.index("hdot"), n + 1] = 1.0
@@ -65,40 +65,40 @@ def rms(omega: np.ndarray, *responses: np.ndarray) -> np.ndarray:
 def moved(
     plant: Plant, law: Law, input_: str, *outputs: str
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Loops L of laws at an input; the rms of the input and of outputs, 0 for unknown ones."""
+    """Loops L of laws at an input; rms of it and of outputs, 0 if the plant lacks the output."""
     g = plant.response(OMEGA, input_)
     L = law.of(g, plant.T)
     air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
     moves = [-law.of(gust, plant.T) / (1.0 + L) for gust in air]
     signals = {input_: moves}
     for name in outputs:
-        known = name in plant.outputs
-        signals[name] = [y[name] + g[name] * u for y, u in zip(air, moves, strict=True) if known]
-    # without turbulence nothing moves
-    still = np.zeros_like(L)
-    return L, {name: rms(OMEGA, still, *responses) for name, responses in signals.items()}
+        present = name in plant.outputs
+        signals[name] = [y[name] + g[name] * u for y, u in zip(air, moves, strict=True) if present]
+    # gives the rms its shape if there is no turbulence
+    zero = np.zeros_like(L)
+    return L, {name: rms(OMEGA, zero, *responses) for name, responses in signals.items()}
 
 
-# the largest altitude error of a flight of some minutes, in rms
+# peak over rms of the altitude error in a flight of some minutes
 _PEAK = 3.3
 
-# s of settling for an excess as large as what is aimed at
+# cost of an excess of 100 % of the target, s of settling time
 _ALTITUDE_COST, _PITCH_COST, _STOP_COST = 30.0, 800.0, 40.0
 
-# excesses beyond which nothing is gained by a little less
+# maximum excesses that are counted: far beyond the target, a small improvement is no benefit
 _PITCH_LOST, _STOP_LOST = 0.5, 4.0
 
 
 @dataclass(frozen=True)
 class Rough:
-    """What turbulence does to some loops, arrays of shape (loops,)."""
+    """Motion of some loops in turbulence, arrays of shape (loops,)."""
 
     altitude: np.ndarray  # rms in ft
     pitch: np.ndarray  # rms in deg
-    stop: np.ndarray  # share of the time for which the throttle is at a stop
+    stop: np.ndarray  # fraction of the time with the throttle at a stop
 
     def cost(self) -> np.ndarray:
-        """In s of settling."""
+        """Cost of each loop, in s of settling time."""
         h = np.maximum(self.altitude * _PEAK / req.ALTITUDE_IN_TURBULENCE - 1.0, 0.0)
         theta = np.clip(
             self.pitch / (req.PITCH_AIM * req.PITCH_IN_TURBULENCE) - 1.0, 0.0, _PITCH_LOST
@@ -106,18 +106,18 @@ class Rough:
         stop = np.clip(self.stop / (req.STOP_AIM * req.STOP_IN_TURBULENCE) - 1.0, 0.0, _STOP_LOST)
         return _ALTITUDE_COST * h + _PITCH_COST * theta + _STOP_COST * stop
 
-    def said(self, i: int) -> tuple[str, ...]:
-        """What one of them does not meet, in words."""
+    def violations(self, i: int) -> tuple[str, ...]:
+        """Texts of the requirements that one of the loops does not meet."""
         altitude, pitch, stop = self.altitude[i], self.pitch[i], self.stop[i]
-        missed = {
+        violations = {
             f"{altitude:.0f} ft rms": altitude * _PEAK > req.ALTITUDE_IN_TURBULENCE,
             f"{pitch:.1f} deg rms": pitch > req.PITCH_IN_TURBULENCE,
             f"{stop:.0%} at the throttle's stop": stop > req.STOP_IN_TURBULENCE,
         }
-        return tuple(f"turbulence {what}" for what, is_missed in missed.items() if is_missed)
+        return tuple(f"turbulence {text}" for text, violated in violations.items() if violated)
 
 
 def at_a_stop(throttle: np.ndarray, room: tuple[float, float]) -> np.ndarray:
-    """Share of the time at a stop, from the rms of the throttle and its room."""
+    """Fraction of the time at a stop, from the throttle's rms and its limits ``room``."""
     throttle = np.maximum(throttle, 1e-9)
     return ndtr(room[0] / throttle) + ndtr(-room[1] / throttle)

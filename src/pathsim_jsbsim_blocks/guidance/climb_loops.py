@@ -26,7 +26,7 @@ class AltitudeLoop:
 
     START = AltitudeState()
 
-    CAPTURE = 0.1 * GRAVITY  # vertical acceleration, ft/s2; passengers hardly feel 0.1 g
+    CAPTURE = 0.1 * GRAVITY  # vertical acceleration of a capture, ft/s2
 
     # limits of a descent: ft/s, fraction of the true airspeed, fraction of the sink rate at idle
     FASTEST, STEEPEST, OF_IDLE = 25.0, 0.06, 0.8
