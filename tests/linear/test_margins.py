@@ -148,6 +148,14 @@ def test_a_loop_is_stable_where_its_poles_are(pole, gain):
     assert margins(control.frd([0.5, 0.3, 0.1], [1.0, 2.0, 3.0])).stable is None
 
 
+def test_positions_that_nothing_moves_are_stable():
+    # the aircraft's latitude, longitude and heading are integrators beside the loop
+    model = two()
+    damper = -0.05 * control.ss(model.select(["aileron"], ["p"]).to_control())
+    assert margins(-damper).stable
+    assert not margins(40.0 * damper).stable
+
+
 def test_an_unstable_law_is_counted():
     # u+ = 1.01 u - k p: the loop is stable where the poles of its difference equation are
     own = control.ss([[1.01]], [[1.0]], [[-0.02]], [[-1.0]], T, inputs="p", outputs="aileron")

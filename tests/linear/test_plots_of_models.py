@@ -60,6 +60,8 @@ def test_a_bode_diagram_is_that_of_a_sampled_lag():
     np.testing.assert_allclose(drawn, np.degrees(np.unwrap(np.angle(response))), atol=1e-6)
     assert gain.get_ylabel() == "gain [dB re 1 deg/s/norm]"
     assert figure.get_suptitle() == "lag: aileron to p"
+    mach = dataclasses.replace(lag(), outputs=("mach",), units={"mach": "", "aileron": "norm"})
+    assert bode(mach).axes[0].get_ylabel() == "gain [dB re 1/norm]"
 
 
 def test_a_bode_diagram_of_several_names_them():

@@ -145,6 +145,8 @@ def test_bad_parameters_are_refused_by_name(keywords, parameter):
     with pytest.raises(ParameterError) as error:
         OneMinusCosineGust(**keywords)
     assert error.value.parameter == parameter
+    # as it was written, in its own unit
+    assert error.value.value is keywords[parameter]
 
 
 @pytest.mark.parametrize("factor", [0.0, 1.01])

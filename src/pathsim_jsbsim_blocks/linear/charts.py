@@ -213,7 +213,7 @@ def bode(
         part = _one_path(_checked(model), output, input)
         (y,), (u,) = part.outputs, part.inputs
         label = f"{part.aircraft}: {u} to {y}"
-        unit = f"dB re 1 {'/'.join(filter(None, (part.units[y], part.units[u])))}"
+        unit = f"dB re {' '.join(filter(None, ('1', part.units[y])))}/{part.units[u]}"
         rates = [mode.frequency for mode in part.modes() if mode.frequency > 1e-4]
         # the response of a sampled system ends at pi / T
         high = min(10 * max(rates, default=10.0), math.pi / part.dt)

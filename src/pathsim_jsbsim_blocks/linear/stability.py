@@ -43,7 +43,7 @@ class Margins:
         the law, the point at which its loop is broken, and the laws closed within it
     gain_margin : float
         change of gain in dB at which the loop becomes unstable, the one nearest to 0: positive for
-        an increase, negative for a decrease; infinite without a phase crossover
+        an increase, negative for a decrease; infinite without a phase crossover above 0 rad/s
     phase_crossover : float
         frequency in rad/s at which the phase is an odd multiple of 180 deg; NaN without one
     phase_margin : float
@@ -320,24 +320,17 @@ def _of_response(loop: Any) -> Margins:
     stable = None
     if isinstance(loop, (control.StateSpace, control.TransferFunction)) and loop.issiso():
         poles = control.feedback(loop).poles()
-        stable = bool((np.abs(poles) < 1 if loop.isdtime(strict=True) else poles.real < 0).all())
-        loop = control.frequency_response(loop, _frequencies(loop))
+        growth = _sampled_growth(poles, loop.dt) if loop.isdtime(strict=True) else poles.real
+        stable = bool((growth <= _GROWTH).all())
+        low, high = control.frequency_response(loop).omega[[0, -1]]
+        # around the poles and zeros; a crossover may be far from them
+        high *= 1.0 if loop.isdtime(strict=True) else 1e3
+        loop = control.frequency_response(loop, np.geomspace(low / 1e3, high, 2 * _COUNT))
     if not isinstance(loop, control.FrequencyResponseData) or not loop.issiso():
         why = "without a law, plant must be a python-control loop with one input and one output"
         refuse("plant", loop, f"{why}, not {reprlib.repr(loop)}")
     order = np.argsort(loop.omega)
     return _margins(loop.name, np.asarray(loop.omega)[order], loop.frdata[0, 0, order], stable)
-
-
-def _frequencies(loop: Any) -> np.ndarray:
-    """Frequencies in rad/s around the poles, zeros and crossovers of a python-control system."""
-    control = required("control", "analysis", name="python-control")
-    omega = np.asarray(control.frequency_response(loop, omega_num=_COUNT).omega)
-    if loop.isdtime(strict=True):
-        return omega
-    crossovers = np.concatenate(control.stability_margins(loop, returnall=True)[3:])
-    ends = [*omega[[0, -1]], *(k * x for x in crossovers if x > 0.0 for k in (0.1, 10.0))]
-    return np.geomspace(min(ends), max(ends), _COUNT)
 
 
 def _margins(name: str, omega: np.ndarray, response: np.ndarray, stable: bool | None) -> Margins:

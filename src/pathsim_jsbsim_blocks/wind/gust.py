@@ -149,9 +149,9 @@ class OneMinusCosineGust(_EdgeSource):
         """Velocity at the middle of the gust, ft/s."""
         peak = self._checked.amplitude
         if peak is None:
-            length = self.length
-            if self.unit == "m" and _METRES[0] <= self.gradient <= _METRES[1]:
-                length = min(max(length, _FEET[0]), _FEET[1])
+            low, high = _METRES if self.unit == "m" else _FEET
+            number("gradient", self.gradient, low=low, high=high)
+            length = min(max(self.length, _FEET[0]), _FEET[1])
             peak = design_gust_velocity(length, self.altitude)
         return self._checked.polarity * peak
 
