@@ -7,7 +7,7 @@ import pathsim_jsbsim_blocks
 
 WORDS = {"found", "given", "known", "wanted", "kept", "seen", "made", "here", "there", "near",
          "shown", "whole", "told", "said"}  # fmt: skip
-MOST = 9  # uses as variables or arguments
+MOST = 9  # keywords and arguments whose names are public, such as `near`
 
 
 def test_variables_are_nouns():
