@@ -13,8 +13,10 @@ from pathsim_jsbsim_blocks import (
     Autopilot,
     CourseHold,
     DiscretePID,
+    HeadingHold,
     ParameterError,
     PitchHold,
+    RollHold,
 )
 from pathsim_jsbsim_blocks.errors import MissingExtraError
 from pathsim_jsbsim_blocks.linear import margins
@@ -206,6 +208,19 @@ def test_what_closes_no_loop_is_refused(law, parameter):
     with pytest.raises(ParameterError) as refused:
         margins(model, law)
     assert refused.value.parameter == parameter
+
+
+def test_a_hold_with_its_reference_far_from_the_trim_is_refused():
+    with pytest.raises(ParameterError) as refused:
+        margins(two(), HeadingHold("c172p", psi_ref=90.0))
+    assert refused.value.parameter == "law"
+
+
+@pytest.mark.parametrize("inner", [RollHold, HeadingHold])
+def test_an_inner_loop_is_not_closed_twice(inner):
+    with pytest.raises(ParameterError) as refused:
+        margins(two(), HeadingHold("c172p"), inner("c172p"))
+    assert refused.value.parameter == "closed"
 
 
 def two():

@@ -162,6 +162,10 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
         why = f"a loop has one command, but {outer.name} has {', '.join(outer.commands)}"
         refuse("law", law, why)
     inner = [_connected("closed", each, model) for each in closed]
+    for block, each in zip(closed, inner, strict=True):
+        if outer.held and each.held and set(outer.commands) & set(each.commands):
+            why = f"{outer.name} and {each.name} move the same command, {', '.join(each.commands)}"
+            refuse("closed", block, f"{why}: the inner loop of a hold is closed without it")
     at = outer.commands[0]
     reference = next((x for x in _INNER if x in outer.references), "")
     rest = _INNER.get(reference, ())
@@ -179,8 +183,8 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
         name += f", closed: {', '.join(each.name for each in inner)}"
     response, _ = _loop(model, outer, inner, omega)
     if not response.any():
-        why = f"{outer.name} does not respond to its measurements at the trim"
-        refuse("law", law, f"{why}: give it as a python-control system")
+        why = f"{outer.name} does not respond at the trim: its command is at a limit, as with a"
+        refuse("law", law, f"{why} reference far from the trim, or it measures a ground track")
     return _margins(name, omega, response, _stable(model, outer, inner))
 
 
