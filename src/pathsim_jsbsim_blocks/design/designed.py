@@ -57,7 +57,7 @@ _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
 # gains of an aircraft without an engine, for flights with its other loops
 _NO_ALTITUDE, _NO_SPEED = AltitudeGains(0.0, 0.0, 0.0), SpeedGains(0.0, 0.0)
 
-SpeedAndAltitude = tuple[SpeedGains, LoopReport, AltitudeGains, LoopReport]
+SpeedAndAltitude = tuple[SpeedGains | None, LoopReport, AltitudeGains | None, LoopReport]
 
 
 @known_keywords
@@ -315,8 +315,8 @@ def _loops(
     trim: TrimState,
     limits: EnvelopeLimits | None,
     neighbours: Neighbours,
-    pitching: Loop,
-    rolling: Loop,
+    pitch_loop: Loop,
+    roll_loop: Loop,
 ) -> dict[str, Any]:
     """Gains of all loops, shaped in sequence, and the report."""
     vt = float(model.x0[model.states.index("vt")])
@@ -325,15 +325,17 @@ def _loops(
     ramp = min(max(ramp, req.RAMP_LOW), req.RAMP_HIGH)
     low, high = max(-1.0, -1.0 - trim.pitch_trim), min(1.0, 1.0 - trim.pitch_trim)
     travel = low - trim.elevator, high - trim.elevator
-    pitch, pitched = design_attitude(plant, pitching, ramp, travel, neighbours)
+    pitch, pitch_row = design_attitude(plant, pitch_loop, ramp, travel, neighbours)
     plant = closed(plant, PITCH, pitch, "theta_cmd")
-    roll, rolled, yaw, coordinated, plant = _roll_and_yaw(plant, rolling, trim, vt, neighbours)
-    heading, steered = design_heading(plant, roll.ramp, rolled.settling, vt, trim.phi, neighbours)
-    outer: SpeedAndAltitude | None = None
+    roll, roll_row, yaw, yaw_row, plant = _roll_and_yaw(plant, roll_loop, trim, vt, neighbours)
+    heading, heading_row = design_heading(
+        plant, roll.ramp, roll_row.settling, vt, trim.phi, neighbours
+    )
+    outer: SpeedAndAltitude = None, _left_out("speed"), None, _left_out("altitude")
     if limits is not None:
         outer = _speed_and_altitude(plant, trim, limits, ramp, neighbours)
-    speed, quick, climb, climbing = outer or (None, _left_out("speed"), None, _left_out("altitude"))
-    report = [pitched, rolled, coordinated, steered, quick, climbing]
+    speed, speed_row, climb, climb_row = outer
+    report = [pitch_row, roll_row, yaw_row, heading_row, speed_row, climb_row]
     return {
         "pitch": pitch,
         "roll": roll,
@@ -390,8 +392,7 @@ def _speed_and_altitude(
     speed = design_speed(plant, trim.speed, room, feed, neighbours)
     altitude, climbing = design_altitude(with_speed(plant, speed), ramp, hdot_max, room, neighbours)
     if not math.isfinite(climbing.settling):
-        text = "no gains of the altitude loop settle a step"
-        raise Unstable("altitude", text)
+        raise Unstable("altitude", "no gains of the altitude loop settle a step")
     quick = speed_report(with_altitude(plant, altitude), speed, room, step)
     altitude = replace(altitude, theta_max=max(req.THETA_MAX, trim.theta + req.NOSE_UP))
     return speed, quick, altitude, climbing

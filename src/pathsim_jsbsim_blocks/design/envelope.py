@@ -31,8 +31,7 @@ def envelope(
     JSBSim computes the lift over the angle of attack with the controls of the trim; climb and
     descent are trims at full throttle and at idle.
 
-    ``trimmed`` is the trim at the ``condition`` of level flight, whose airspeed is ``speed`` in
-    KCAS.
+    ``trimmed`` is the trim at the ``condition`` of level flight, with ``speed`` in KCAS.
     """
     airframe = fresh()
     state = trim(airframe, condition, hint=False)

@@ -33,7 +33,7 @@ class Allowed(NamedTuple):
     feed: float = 0.0  # throttle increment for a descent that the airspeed limits, at most 0
 
 
-EVERYTHING = Allowed()
+NO_LIMITS = Allowed()
 
 
 class ProtectionState(NamedTuple):

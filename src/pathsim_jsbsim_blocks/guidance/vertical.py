@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from ..control.airspeeds import true_airspeed
 from ..control.loops import Reference, ReferenceLoop, ReferenceState
 from .climb_loops import AltitudeLoop, AltitudeState
-from .protection import EVERYTHING, Allowed, Protection, ProtectionState
+from .protection import NO_LIMITS, Allowed, Protection, ProtectionState
 
 
 class Motion(NamedTuple):
@@ -73,7 +73,7 @@ class Vertical:
             self.altitude.descend(self.envelope.limits.descent_max, true_airspeed(now.vc, now.h))
         protection = self.protection(now.alpha)
         if not protection:
-            return EVERYTHING, state.guard
+            return NO_LIMITS, state.guard
         # positive elevator is nose down, so these are the nose-up limits
         stop = not now.off and (now.sat < 0.0 or state.pitch.law.u >= self.pitch.pid.high)
         measured = now.theta, now.alpha, now.h, now.hdot, vc
