@@ -339,7 +339,7 @@ def level_slopes(plant: Plant) -> tuple[float, float]:
     Evaluated below the crossover of the airspeed loop, as engines follow up to there, and with the
     pitch angle that keeps the rate of climb at 0.
     """
-    w = np.array([0.5 * req.SPEED_CROSSOVERS[1]])
+    w = np.array([0.1])
     throttle, theta = plant.response(w, "throttle"), plant.response(w, "theta_cmd")
     level = throttle["vc"] - theta["vc"] * throttle["hdot"] / theta["hdot"]
     thrust = float((w / (1.0 / level).imag)[0])

@@ -101,7 +101,7 @@ GUST = 12.0
 
 # airspeed loop: minimum and maximum crossover, rad/s; Kp / Ki, s; minimum rate of its reference,
 # kt/s; time in which the reference changes by the airspeed if that is faster, s
-SPEED_CROSSOVERS, SPEED_TIME, SPEED_RAMP, SPEED_RAMP_TIME = (0.15, 0.2), 30.0, 1.0, 225.0
+SPEED_CROSSOVERS, SPEED_TIME, SPEED_RAMP, SPEED_RAMP_TIME = (0.15, 0.4), 25.0, 1.0, 225.0
 
 # fraction of the maximum lift at which the angle of attack is limited, and the maximum limit, deg;
 # minimum airspeed over that of level flight at this angle
