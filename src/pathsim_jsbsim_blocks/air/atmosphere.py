@@ -280,8 +280,13 @@ def isa(altitude: Any, temp_deviation: Any = 0.0, altitude_kind: AltitudeKind = 
 def pressure_altitude(pressure: Any, altitude_kind: AltitudeKind = "geometric") -> Any:
     """Altitude in m at which the standard atmosphere has the given static pressure in Pa.
 
-    The inverse of ``isa(altitude).pressure``. Pressure altitude, and therefore a flight level, is
-    by definition of the kind "geopotential".
+    The inverse of ``isa(altitude).pressure``, and like that geometric by default. An altimeter and
+    a flight level show the kind "geopotential":
+
+    >>> round(pressure_altitude(22632.04))
+    11019
+    >>> round(pressure_altitude(22632.04, "geopotential"))
+    11000
 
     Raises
     ------
