@@ -2,13 +2,15 @@
 
     python docs/landings.py [CASES [SEED]]
     python docs/landings.py crosswind
+    python docs/landings.py winds
 
 Default is 100 cases of each aircraft; another seed draws others and prints what becomes of them.
 Each flies the diagram ``autoland_737`` or ``autoland_c172p`` with weight, centre of gravity, wind,
 turbulence, course and elevation of the runway drawn anew.
 
-With ``crosswind`` further aircraft make 10 approaches each with their designed tables at 1.3 of the
-lowest airspeed that trims, in 10 kt of crosswind without turbulence.
+With ``crosswind`` the tables that land airliners and the T37 make 2 approaches each at 1.3 of the
+lowest airspeed that trims, in 10 kt of crosswind without turbulence; with ``winds`` the MD11 makes
+one in each of five winds.
 """
 
 import math
@@ -34,12 +36,27 @@ FLEET = {
     "737": ((10_200, 10_200, 15_000), 83_000, 639.0, 147.7, (148.0, 107_000), 1000.0, 15.0, 2000.0),
     "c172p": ((185, 185), 1680, 41.0, 58.8, (70.0, 1880), 400.0, 10.0, 1000.0),
 }
-# h_agl on the wheels [ft], flaps; of FlareHold; crosswind [kt], approaches, of the lowest airspeed,
-# height of the beginning [ft], airspeeds from which the lowest is looked for, of level flight
-CROSSWIND = {"A320": (8.9, 1.0), "T37": (1.9, 1.0), "MD11": (19.1, 0.3)}
+# flaps, and what `FlareHold` has unlike that of `autoland_737`, by table
 FLARE = {"tau": 3.0, "float_max": 8000.0, "theta_max": 10.0}
-SLOW_FLARE = {"MD11": {"tau": 6.0, "sink_max": 25.0}}  # its elevator turns it slowly
-CROSS, APPROACHES, OF_LOWEST, ABOVE, FROM = 10.0, 10, 1.3, 1500.0, (1.0, 0.9, 0.8, 0.7, 0.6)
+# the elevator of the MD11 turns it slowly
+SLOW_FLARE = FLARE | {"tau": 6.0, "sink_max": 25.0}
+CROSSWIND = {
+    "A320": (1.0, FLARE | {"gear_height": 8.9}),
+    "T37": (1.0, FLARE | {"gear_height": 1.9}),
+    "MD11": (0.3, SLOW_FLARE | {"gear_height": 19.1}),
+    "737-landing": (1.0, {}),
+}
+# crosswind [kt], approaches, of the lowest airspeed, height of the beginning [ft], and airspeeds
+# from which the lowest is looked for, of level flight
+CROSS, APPROACHES, OF_LOWEST, ABOVE, FROM = 10.0, 2, 1.3, 700.0, (1.0, 0.9, 0.8, 0.7, 0.6)
+# headwind, crosswind [kt], and wind at 20 ft [kt] of the turbulence
+WINDS = {
+    "calm": (0.0, 0.0, 0.0),
+    "headwind": (15.0, 0.0, 0.0),
+    "crosswind": (0.0, 10.0, 0.0),
+    "tailwind": (-10.0, 0.0, 0.0),
+    "turbulence": (0.0, 0.0, 20.0),
+}
 CG, FUEL, HEAD, GUSTS = 0.03, (0.2, 1.0), (-5.0, 20.0), (15.0, 30.0)
 ELEVATION, COURSE, ASIDE = (0.0, 5000.0), (0.0, 360.0), 500.0
 INTERCEPT = 20.0  # deg
@@ -88,13 +105,22 @@ def place(ahead, aside, course):
     return AIM[0] + north / 364_785.0, AIM[1] + east / (365_221.0 * math.cos(lat) * 1.0018)
 
 
+def wind(head, cross, course):
+    """North and east component in ft/s of a headwind and a crosswind from the left, kt."""
+    chi, head, cross = math.radians(course), head * KNOT, cross * KNOT
+    return (
+        -head * math.cos(chi) - cross * math.sin(chi),
+        -head * math.sin(chi) + cross * math.cos(chi),
+    )
+
+
 def settings(name, case):
     """What the diagram is built with."""
     from pathsim_jsbsim_blocks import TrimCondition
 
     tanks, empty, cg, chord, (speed, weight), height, *_ = FLEET[name]
     fuel, course = [case["fuel"] * tank for tank in tanks], case["course"]
-    chi, head, cross = math.radians(course), case["head"] * KNOT, case["cross"] * KNOT
+    north, east = wind(case["head"], case["cross"], course)
     latitude, longitude = place(
         -height / math.tan(math.radians(3.0)) - 6000.0, case["aside"], course
     )
@@ -104,41 +130,42 @@ def settings(name, case):
         heading=(course - math.copysign(INTERCEPT, case["aside"])) % 360.0,
         latitude=latitude,
         longitude=longitude,
-        wind_north=-head * math.cos(chi) - cross * math.sin(chi),
-        wind_east=-head * math.sin(chi) + cross * math.cos(chi),
+        wind_north=north,
+        wind_east=east,
         fuel=fuel,
         empty_cg_x=cg + case["cg"] * chord,
         gear=1.0 if name == "737" else None,
         flaps=1.0 if name == "737" else 0.5,
     )
-    turbulence = {
-        "atmosphere/randomseed": case["seed"],
-        "atmosphere/turb-type": 3.0,
-        "atmosphere/turbulence/milspec/severity": SEVERITY,
-        "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": case["gusts"] * KNOT,
-    }
     return {
         "aircraft.condition": condition,
-        "TURBULENCE": turbulence,
+        "TURBULENCE": turbulence(case["gusts"], case["seed"]),
         "ELEVATION": case["elevation"],
         "COURSE": course,
         "ANTENNA": place(BEYOND, 0.0, course),
     }
 
 
-def approach(name, number):
-    """Course of an approach in a crosswind, and what the diagram ``autoland_737`` is built with."""
+def turbulence(gusts, seed):
+    """Properties of JSBSim's MIL-spec turbulence of a wind at 20 ft, kt."""
+    return {
+        "atmosphere/randomseed": float(seed),
+        "atmosphere/turb-type": 3.0 if gusts else 0.0,
+        "atmosphere/turbulence/milspec/severity": SEVERITY,
+        "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": gusts * KNOT,
+    }
+
+
+def approach(table, number, head=0.0, cross=0.0, gusts=0.0):
+    """Course of an approach in a wind, kt, and what the diagram ``autoland_737`` is built with."""
     from pathsim_jsbsim_blocks import Aircraft
     from pathsim_jsbsim_blocks.errors import TrimError
     from pathsim_jsbsim_blocks.flight import Airframe, trim
 
-    rng, flight, (wheels, flaps) = (
-        np.random.default_rng([number, 7]),
-        flight_of(name),
-        CROSSWIND[name],
-    )
+    flaps, flare = CROSSWIND[table]
+    name, rng = table.partition("-")[0], np.random.default_rng([number, 7])
+    flight = flight_of(name)
     share, course, elevation = rng.uniform(0.2, 0.8), rng.uniform(0, 360), rng.uniform(0, 3000)
-    chi, cross = math.radians(course), CROSS * KNOT * (1.0 if number % 2 else -1.0)
     latitude, longitude = place(-ABOVE / math.tan(math.radians(3.0)) - 6000.0, 0.0, course)
     tanks = fuel(Aircraft(name, condition=flight.condition, create=flight.create), share)
     condition = replace(
@@ -156,28 +183,28 @@ def approach(name, number):
         except TrimError:
             continue
         break
+    north, east = wind(head, cross, course)
     condition = replace(
         condition,
         speed=OF_LOWEST * lowest_level(name, begin, flight.create),
         heading=course,
         latitude=latitude,
         longitude=longitude,
-        wind_north=-cross * math.sin(chi),
-        wind_east=cross * math.cos(chi),
+        wind_north=north,
+        wind_east=east,
     )
-    flare = FLARE | SLOW_FLARE.get(name, {})
-    return course, {
+    built = {
         "aircraft.aircraft": name,
         "aircraft.condition": condition,
         "aircraft.create": flight.create,
-        "TURBULENCE": {"atmosphere/turb-type": 0.0},
+        "TURBULENCE": turbulence(gusts, number),
         "ELEVATION": elevation,
         "COURSE": course,
         "ANTENNA": place(BEYOND, 0.0, course),
-        **{f"{x}.gains": name for x in ("lateral", "vertical", "airspeed", "damper", "flare")},
-        "flare.gear_height": wheels,
+        **{f"{x}.gains": table for x in ("lateral", "vertical", "airspeed", "damper", "flare")},
         **{f"flare.{key}": value for key, value in flare.items()},
     }
+    return course, built
 
 
 def land(name, case):
@@ -293,7 +320,8 @@ def crosswind():
     for name in CROSSWIND:
         ends, speeds, touches = [], [], []
         for number in range(1, APPROACHES + 1):
-            course, built = approach(name, number)
+            cross = CROSS if number % 2 else -CROSS
+            course, built = approach(name, number, cross=cross)
             found = landed("autoland_737", built, course)
             ends.append(outcome(name, found))
             speeds.append(built["aircraft.condition"].speed)
@@ -306,6 +334,23 @@ def crosswind():
             cells.append(f"{min(x):.{digits}f} to {max(x):.{digits}f}" if x else "")
         lines.append(f"| {name} | {' | '.join(cells)} |")
     put(PAGE, "crosswind", "\n".join(lines))
+
+
+def winds():
+    """The table of approaches of the MD11 in winds."""
+    lines = [
+        "| wind | sink rate [ft/s] | past [ft] | aside [ft] | in the roll-out [ft] "
+        "| outcome, or what is beyond its limit |"
+    ]
+    lines.append("|---|--:|--:|--:|--:|---|")
+    for name, blows in WINDS.items():
+        course, built = approach("MD11", 1, *blows)
+        found = landed("autoland_737", built, course)
+        print(name, found, flush=True)
+        keys = ("sink", 1), ("past", 0), ("across", 0), ("roll_out", 0)
+        cells = [f"{found[key]:.{digits}f}" if "sink" in found else "" for key, digits in keys]
+        lines.append(f"| {name} | {' | '.join(cells)} | {outcome('MD11', found)} |")
+    put(PAGE, "winds", "\n".join(lines))
 
 
 def main(cases=CASES, seed=0):
@@ -323,5 +368,7 @@ def main(cases=CASES, seed=0):
 if __name__ == "__main__":
     if sys.argv[1:] == ["crosswind"]:
         crosswind()
+    elif sys.argv[1:] == ["winds"]:
+        winds()
     else:
         main(*map(int, sys.argv[1:]))
