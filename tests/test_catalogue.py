@@ -54,6 +54,10 @@ def test_a_script_builds_its_diagram_on_import_and_does_not_run_it(name, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
+def is_numbering(loop):
+    return isinstance(loop, ast.DictComp) and isinstance(loop.value, ast.Name)
+
+
 @pytest.mark.parametrize("name", diagram_names())
 def test_a_script_reads_like_a_diagram(name):
     tree = ast.parse(find_diagram(name).read_text())
@@ -63,7 +67,9 @@ def test_a_script_reads_like_a_diagram(name):
     assert "Source:" in text
     outside = [n for n in tree.body if not isinstance(n, (ast.FunctionDef, ast.If))]
     loops = (ast.For, ast.While, ast.ListComp, ast.GeneratorExp, ast.DictComp, ast.IfExp)
-    assert not [n for part in outside for n in ast.walk(part) if isinstance(n, loops)]
+    around = [n for part in outside for n in ast.walk(part) if isinstance(n, loops)]
+    # numbering the ports of an Interface is a loop around names, not around blocks
+    assert not [n for n in around if not is_numbering(n)]
 
 
 def test_list_shows_every_diagram_and_study_with_its_summary(capsys):

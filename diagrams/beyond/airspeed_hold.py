@@ -1,8 +1,8 @@
 """Autothrottle of a Cessna 172: 10 kt faster, at the same altitude.
 
-c172p at 5000 ft and 90 KCAS. ``AirspeedHold`` holds the airspeed found at the start plus its port,
-which steps by 10 kt at 5 s; its reference moves at 2.7 kt/s. ``AltitudeHold`` lowers the nose as
-the aircraft gets faster, ``RollHold`` keeps the wings level.
+c172p at 5000 ft and 90 KCAS. The reference of ``AirspeedHold`` is the initial airspeed plus its
+port, which steps by 10 kt at 5 s; it moves at 2.7 kt/s. ``AltitudeHold`` lowers the nose as the
+aircraft gets faster, ``RollHold`` keeps the wings level.
 
 Expected: within 0.5 kt of 100 KCAS 11.5 s after the step, altitude within 2.4 ft.
 

@@ -1,8 +1,8 @@
-"""Altitude hold of a Cessna 172: 500 ft up, and level again.
+"""Altitude hold of a Cessna 172: a climb of 500 ft and level-off.
 
-c172p at 5000 ft and 90 KCAS. ``AltitudeHold`` holds the altitude found at the start plus its port,
-which steps by 500 ft at 5 s; ``AirspeedHold`` keeps the speed with the throttle in the climb, and
-``RollHold`` the wings level.
+c172p at 5000 ft and 90 KCAS. The reference of ``AltitudeHold`` is the initial altitude plus its
+port, which steps by 500 ft at 5 s; ``AirspeedHold`` holds the airspeed in the climb with the
+throttle, and ``RollHold`` keeps the wings level.
 
 Expected: a climb at 10 ft/s, within 10 ft of 5500 ft 51.4 s after the step, overshoot 2.1 ft;
 airspeed 86.8 to 91.0 KCAS.

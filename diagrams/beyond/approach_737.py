@@ -1,4 +1,4 @@
-"""Instrument approach of a 737: localizer, glide slope, speed reduction, decision height.
+"""Instrument approach of a 737: localizer, glideslope, speed reduction, decision height.
 
 A Boeing 737 at 2500 ft and 170 KCAS, gear down and half flaps, flies north east. ``CourseHold``
 captures the line from the final fix to the threshold at 30 deg, ``GlideslopeHold`` holds the
@@ -6,9 +6,9 @@ altitude until it meets the glide path of 3 deg, and ``AirspeedHold`` slows down
 150 s on. A wind of 25 ft/s blows from the north, across the runway, which is 500 ft above the sea.
 The run ends at the decision height, 200 ft above the threshold.
 
-Expected: the aircraft turns onto the line without passing it and flies it with its nose 5 deg into
-the wind. From 5 nmi before the threshold on it is within 5 ft of the line and 10 ft of the glide
-path. It reaches the decision height after 290 s, 2850 ft before the threshold, at 150 KCAS.
+Expected: the aircraft turns onto the line without overshoot and tracks it with a wind correction
+angle of 5 deg. From 5 nmi before the threshold on it is within 5 ft of the line and 10 ft of the
+glide path. It reaches the decision height after 290 s, 2850 ft before the threshold, at 150 KCAS.
 
 Source: our own. Path and decision height are those of an instrument landing system of category I
 (ICAO Annex 10, volume I, 3.1; Doc 8168).

@@ -1,13 +1,12 @@
 """Automatic landing of a 737: approach, flare, touchdown and roll-out in a crosswind.
 
-A Boeing 737 at 1500 ft and 140 KCAS, with gear and flaps down, flies towards the course from
-1500 ft beside it. The runway is 500 ft above the sea.
-A ``Localizer`` and a ``Glideslope`` receiver show where the aircraft is;
-``LocalizerHold`` captures the course from the side, ``GlideslopeHold`` the path from below, and
-``AirspeedHold`` keeps 140 KCAS. ``FlareHold`` passes their commands on until the flare. Then it
-moves the throttle to idle, turns the nose to the runway's course, lowers the nose wheel and brakes.
-A crosswind of 15 kt blows from the left, with turbulence of JSBSim's MIL-spec model
-for a wind of 25 kt at 20 ft.
+A Boeing 737 at 1500 ft and 140 KCAS, with gear and flaps down, flies towards the course from 1500
+ft beside it. The runway is 500 ft above the sea. A ``Localizer`` and a ``Glideslope`` receiver give
+the deviations from the approach; ``LocalizerHold`` captures the course from the side,
+``GlideslopeHold`` the path from below, and ``AirspeedHold`` keeps 140 KCAS. ``FlareHold`` passes
+their commands on until the flare. Then it closes the throttle, aligns the nose with the runway,
+lowers the nose wheel and brakes. A crosswind of 15 kt blows from the left, with turbulence of
+JSBSim's MIL-spec model for a wind of 25 kt at 20 ft.
 
 Expected: touchdown after 103 s, 159 ft past the aiming point and 5 ft right of the centre line,
 sinking at 4.7 ft/s with 2.1 deg of bank into the wind. The aircraft is down to 15 KCAS 3400 ft past

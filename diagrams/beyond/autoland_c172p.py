@@ -1,13 +1,12 @@
 """Automatic landing of a Cessna 172: approach, flare, touchdown and roll-out in a crosswind.
 
-A Cessna 172 at 900 ft and 70 KCAS, flaps half down, flies towards the course from
-800 ft beside it. The runway is 500 ft above the sea.
-A ``Localizer`` and a ``Glideslope`` receiver show where the aircraft is;
-``LocalizerHold`` captures the course from the side, ``GlideslopeHold`` the path from below, and
-``AirspeedHold`` keeps 70 KCAS. ``FlareHold`` passes their commands on until the flare. Then it
-moves the throttle to idle, turns the nose to the runway's course, lowers the nose wheel and brakes.
-A crosswind of 10 kt blows from the left, with turbulence of JSBSim's MIL-spec model
-for a wind of 20 kt at 20 ft.
+A Cessna 172 at 900 ft and 70 KCAS, flaps half down, flies towards the course from 800 ft beside it.
+The runway is 500 ft above the sea. A ``Localizer`` and a ``Glideslope`` receiver give the
+deviations from the approach; ``LocalizerHold`` captures the course from the side,
+``GlideslopeHold`` the path from below, and ``AirspeedHold`` keeps 70 KCAS. ``FlareHold`` passes
+their commands on until the flare. Then it closes the throttle, aligns the nose with the runway,
+lowers the nose wheel and brakes. A crosswind of 10 kt blows from the left, with turbulence of
+JSBSim's MIL-spec model for a wind of 20 kt at 20 ft.
 
 Expected: touchdown after 92 s, 147 ft past the aiming point and within 1 ft of the centre line,
 sinking at 2.7 ft/s with 2.8 deg of bank into the wind. The aircraft is down to 10 KCAS 1300 ft past

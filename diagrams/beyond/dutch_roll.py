@@ -1,8 +1,8 @@
 """Dutch roll of a 737 with the gain of its yaw damper at 0, 1 and 2.
 
 Three 737s at 5000 ft and 260 KCAS, gear up, get the same rudder pulse, 0.1 from 1 s to 1.5 s. The
-damper inside the model moves the rudder by the yaw rate in rad/s: by 0.0175 of travel for 1 deg/s.
-What a gain outside adds to it takes it away in one aircraft and doubles it in another.
+model's own damper deflects the rudder in proportion to the yaw rate: 0.0175 of travel for 1 deg/s.
+An external gain cancels this damper in one aircraft and doubles it in another.
 
 Expected: the damping ratio is 0.16 without a damper, 0.37 as the model is built, 0.58 with twice
 the gain, and the natural frequency stays at 2.0 rad/s. The linear model of the diagram

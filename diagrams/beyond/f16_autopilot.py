@@ -1,9 +1,9 @@
 """An F-16's autopilot from core blocks turns by 15 deg.
 
-It shows control laws in the open: altitude and course loops command pitch and bank, and the gains
-of a linear-quadratic regulator turn the errors of airspeed, angle of attack, attitude and rates
-into stick, throttle and pedal. They are the laws of NASA's check cases 13 to 16, which the package
-has in DAVE-ML too, in ``f16_control.dml``; here the autopilot is on.
+Each part of the control laws is a block: altitude and course loops command pitch and bank, and the
+gains of a linear-quadratic regulator map the errors of airspeed, angle of attack, attitude and
+rates to stick, throttle and pedal. They are the laws of NASA's check cases 13 to 16, which the
+package has in DAVE-ML too, in ``f16_control.dml``; here the autopilot is on.
 
 Expected: the same flight as `check_case_13_3`, which has the file as a block, to 1e-9 deg. At 15 s
 the commanded course turns by 15 deg; the F-16 is at 30 deg of bank half a second later, 36 deg at

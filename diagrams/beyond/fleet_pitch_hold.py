@@ -1,9 +1,9 @@
 """One pitch hold, six aircraft: 5 deg up, from a Cessna 172 to a Boeing 747.
 
 Each aircraft is trimmed in level flight: a light aircraft, three airliners, a business jet and a
-supersonic trainer. ``PitchHold`` raises the nose of each by 5 deg at 1 s; the throttles stay where
-the trims left them. The gains are the tables that bear the aircraft's names: three tuned by hand,
-and three designed from the linear models.
+supersonic trainer. ``PitchHold`` raises the nose of each by 5 deg at 1 s; the throttles stay at
+their trim settings. The gain tables have the aircraft's names: three are tuned by hand, three
+designed from linear models.
 
 Expected: each is within 0.5 deg after 1.9 s (c172p) to 3.1 s (A320), with an overshoot of at most
 3.4 %, and within 0.1 deg at the end.

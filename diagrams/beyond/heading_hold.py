@@ -1,12 +1,12 @@
 """Heading hold of a Cessna 172: from 350 to 10 deg, the short way across north.
 
-c172p at 5000 ft and 90 KCAS, heading 350 deg. ``HeadingHold`` is to hold 10 deg; ``YawDamper``,
-``AltitudeHold`` and ``AirspeedHold`` carry the aircraft smoothly and level through the turn. The
-heading is shown from -180 to 180 deg.
+c172p at 5000 ft and 90 KCAS, heading 350 deg. The reference of ``HeadingHold`` is 10 deg;
+``YawDamper``, ``AltitudeHold`` and ``AirspeedHold`` keep the turn coordinated and level. The
+heading is plotted from -180 to 180 deg.
 
 Expected: a right turn of 20 deg with a bank of at most 24 deg, heading within 0.5 deg of 10 deg in
-12.6 s, altitude within 4.5 ft. This is the turn that the published "10-degree turn" is not
-(see ``aileron_turn``).
+12.6 s, altitude within 4.5 ft. The published "10-degree turn" is not such a turn (see
+``aileron_turn``).
 
 Source: our own, on the aircraft and the condition of the published pitch hold.
 """

@@ -1,15 +1,14 @@
-"""The pitch hold wired from PathSim's own blocks, to show what ``PitchHold`` does inside.
+"""The pitch hold built from PathSim's own blocks, to show the law inside ``PitchHold``.
 
-c172p at 5000 ft and 90 KCAS: an Adder makes the error, a continuous AntiWindupPID and the pitch
-rate make the demand, an Amplifier turns its sign (nose up is a **negative** elevator command), a
-Clip keeps it within the elevator's travel.
+c172p at 5000 ft and 90 KCAS: an Adder forms the error, a continuous AntiWindupPID and the pitch
+rate form the command, an Amplifier reverses its sign (a nose-up elevator command is **negative**),
+and a Clip limits it to the elevator's travel.
 
 Expected: within 0.05 deg of 3 deg after 2.6 s, with an overshoot of 0.18 deg and an elevator that
-jumps to -0.17 at the start; ``pitch_hold`` takes 1.8 s, overshoots by 0.025 deg and never moves the
-elevator by more than 0.055. Here the reference steps instead of moving on a ramp, and has its full
-weight in the proportional part. The gains are positive and the sign is
-turned after the controller, because PathSim's AntiWindupPID diverges in saturation with negative
-gains.
+jumps to -0.17 at the start; ``pitch_hold`` settles in 1.8 s, overshoots by 0.025 deg and moves the
+elevator by at most 0.055. Here the reference steps instead of following a ramp, and has its full
+weight in the proportional part. The gains are positive and the sign is reversed after the
+controller, because PathSim's AntiWindupPID diverges in saturation with negative gains.
 
 Source: the published JSBSim/PathSim notebook's wiring, with the right sign and gains.
 """

@@ -1,16 +1,16 @@
-"""Stall protection: a Cessna 172 is asked for 55 KCAS, with and without the port alpha.
+"""Stall protection: a Cessna 172 commanded to 55 KCAS, with and without the port alpha.
 
-Two Cessnas at 5000 ft and 90 KCAS under the same ``Autopilot``: altitude held, airspeed asked for
-35 kt less at 10 s. The wire to the port ``alpha`` is all that differs. Without it the autopilot
-sees only the airspeed: it pulls to hold the altitude behind the power curve, the wing stalls, and
-in the stall the airspeed is above the reference again, so it goes on pulling. With it the pitch
-reference is bounded by the angle of attack, and the power comes up in time.
+Two Cessnas at 5000 ft and 90 KCAS under the same ``Autopilot``: altitude held, commanded airspeed
+35 kt lower at 10 s. They differ only in the connection to the port ``alpha``. Without it the
+autopilot measures only the airspeed: it pulls to hold the altitude behind the power curve, the wing
+stalls, and in the stall the airspeed is above the reference again, so it keeps pulling. With it the
+angle of attack limits the pitch reference, and the throttle opens in time.
 
 Expected: with alpha, at least 52.9 kt, alpha at most 10.5 deg, altitude within 12 ft, and 54.2 kt
-at the end. The protection adds throttle below 54.2 kt, about 0.5 for each knot, so the airspeed
-stays there: the integral of the autothrottle is slow. The throttle swings with a period of 5 s,
-and the angle of attack with it, by 1.2 deg at 60 to 80 s. Without the wire,
-46.5 kt and 24.2 deg, and 4078 ft are lost in 200 s.
+at the end. The protection adds throttle below 54.2 kt, about 0.5 per knot, so the airspeed stays
+there because the integral of the autothrottle is slow. The throttle swings with a period of 5 s,
+and the angle of attack with it, by 1.2 deg at 60 to 80 s. Without the connection 46.5 kt and 24.2
+deg, and 4078 ft are lost in 200 s.
 
 Source: our own.
 """

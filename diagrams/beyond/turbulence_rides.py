@@ -1,6 +1,6 @@
-"""Turbulence: a light aircraft with its controls fixed, and on autopilot.
+"""Turbulence: a light aircraft with controls fixed, and on autopilot.
 
-Two Cessna 172 at 5000 ft and 90 KCAS in moderate Dryden turbulence of MIL-F-8785C. One has its
+Two Cessna 172s at 5000 ft and 90 KCAS in moderate Dryden turbulence of MIL-F-8785C. One has its
 controls fixed, the other holds its altitude, heading and airspeed. Both turbulence blocks have the
 same seed, so that the aircraft meet the same air; each follows its own aircraft's height, airspeed
 and heading.

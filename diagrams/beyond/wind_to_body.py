@@ -1,11 +1,11 @@
 """Wind axes to body axes and back, checked in flight against JSBSim's own forces.
 
 A Cessna 172 at 5000 ft and 90 KCAS. An elevator doublet moves the angle of attack, a rudder doublet
-the sideslip angle. Drag, side force and lift are turned with alpha and beta to the body axes, and
-the result is turned back; six differences compare both with JSBSim's own values.
+the sideslip angle. Drag, side force and lift are transformed with alpha and beta to body axes and
+back; six differences compare both with JSBSim's own values.
 
 Expected: alpha from -2.0 to 4.4 deg, beta from -9.0 to 5.5 deg and lift from 540 to 3230 lbf; all
-six differences stay below 1e-11 lbf: only rounding is left.
+six differences stay below 1e-11 lbf, the level of rounding.
 
 Source: JSBSim Reference Manual, Concepts, Frames of Reference.
 """

@@ -1,11 +1,11 @@
-"""Yaw damper of a Cessna 172: a rudder pulse, with the damper and without it.
+"""Yaw damper of a Cessna 172: a rudder pulse, with and without the damper.
 
-Two Cessnas at 5000 ft and 90 KCAS get the same rudder pulse, 0.3 from 1 s to 1.5 s. In one of
-them ``YawDamper`` feeds the yaw rate back to the rudder, through a wash-out that lets steady turns
-pass.
+Two Cessnas at 5000 ft and 90 KCAS get the same rudder pulse, 0.3 from 1 s to 1.5 s. In one of them
+``YawDamper`` feeds the yaw rate back to the rudder, through a wash-out filter, so that it does not
+oppose steady turns.
 
-Expected: the Dutch roll of the bare aircraft has a period of 2.9 s and a damping ratio of 0.18;
-with the damper the ratio is 0.40.
+Expected: the Dutch roll of the unaugmented aircraft has a period of 2.9 s and a damping ratio of
+0.18; with the damper the ratio is 0.40.
 
 Source: our own, on the aircraft and the condition of the published pitch hold.
 """

@@ -3,7 +3,7 @@
 .. math::
     \\ddot x + 2 \\zeta \\omega_n \\dot x + \\omega_n^2 x = 0
 
-with wn = 2 rad/s, zeta = 0.25, x(0) = 1, at rest. The response of a short period looks like this.
+with wn = 2 rad/s, zeta = 0.25, x(0) = 1, at rest. A short-period response has this form.
 
 Expected: a period of 3.245 s; each swing is 44 % of the one before it, half a period earlier.
 

@@ -1,10 +1,10 @@
-"""Elevator doublet of a business jet: the short period answers and dies out.
+"""Elevator doublet of a business jet: the short period is excited and decays.
 
 A Global 5000, 15,000 ft, 250 KCAS, half payload and three tanks of 4048.815 lb. The elevator
 command moves by -10 % (nose up) from 10 s to 11 s and by +10 % from 12 s to 13 s.
 
-Expected: the aircraft stays trimmed at alpha = 4.32 deg for 10 s; alpha then rises to
-6.4 deg, drops to 1.8 deg, and is back within 0.1 deg 4 s after the doublet.
+Expected: the aircraft stays trimmed at alpha = 4.32 deg for 10 s; alpha then rises to 6.4 deg,
+drops to 1.8 deg, and is back within 0.1 deg 4 s after the doublet.
 
 Source: notebook 4 of the published JSBSim/PathSim notebooks. There the aircraft runs ahead of the
 clock, because its model sits in a function that PathSim evaluates more than once a step; here it is

@@ -1,11 +1,10 @@
-"""Climb with the first trim held: the speed decays and the climb dies away.
+"""Climb with the first trim held: airspeed and rate of climb decay.
 
-An A-4 trimmed at 1000 ft for a climb at 300 KCAS and 5 deg; throttle and pitch trim then stay where
-they are while the air grows thinner.
+An A-4 trimmed at 1000 ft for a climb at 300 KCAS and 5 deg; throttle and pitch trim then stay fixed
+while the air grows thinner.
 
 Expected: after 1 min the path has flattened to 3.9 deg; after 15 min the aircraft is at 14,215 ft,
-288 KCAS and 0.4 deg. A run of an hour would end itself at 20,000 ft, after 59 minutes and at
-267 KCAS.
+288 KCAS and 0.4 deg. A one-hour run would stop at 20,000 ft, after 59 minutes and at 267 KCAS.
 
 Source: notebook 10 of the published JSBSim/PathSim notebooks; the cure is the diagram
 ``scheduled_climb``. Alpha is limited to -4 to 12 deg, as published.

@@ -1,8 +1,8 @@
 """Hello, JSBSim: a Cessna 172 trimmed at 3000 ft and 80 KCAS, heading 45 deg, flown for 1 s.
 
-Nothing moves: the inputs of the aircraft block are increments on the trimmed commands, and they are
-not wired. Expected: throttle 62.157 %, pitch trim 5.2799 %, alpha 2.53 deg, and after 1 s still
-3000 ft.
+The controls stay at their trim settings: the inputs of the aircraft block are increments on the
+trimmed commands, and they are unconnected. Expected: throttle 62.157 %, pitch trim 5.2799 %, alpha
+2.53 deg, and after 1 s still 3000 ft.
 
 Source: notebook 1 of the published JSBSim/PathSim notebooks, its "hello world"; the numbers are
 those of a plain JSBSim loop.

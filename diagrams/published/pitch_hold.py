@@ -1,11 +1,11 @@
 """Pitch hold of a Cessna 172: from its trim to the reference ``theta_ref``, where it stays.
 
 c172p at 5000 ft and 90 KCAS. ``PitchHold`` moves its reference from the trimmed pitch angle to
-``theta_ref`` and holds it with the elevator; the throttle stays where the trim left it.
+``theta_ref`` and holds it with the elevator; the throttle stays at its trim setting.
 
-Expected at ``theta_ref=3``: within 0.05 deg of it after 1.8 s and to the end, overshoot 0.025 deg;
-in 30 s the aircraft climbs 93 ft and slows down to 83 KCAS. Nose up takes a negative elevator
-command.
+Expected: with ``theta_ref=3`` the pitch angle is within 0.05 deg of it from 1.8 s on, overshoot
+0.025 deg; in 30 s the aircraft climbs 93 ft and slows down to 83 KCAS. A nose-up elevator command
+is negative.
 
 Source: notebook 5 of the published JSBSim/PathSim notebooks. Its hold has the wrong sign (positive
 elevator is nose **down**) and too small a gain: it never holds 3 deg. The scope of its commands is

@@ -5,9 +5,9 @@ in 3 s, both on top of their trimmed values, and stay there: crossed controls, a
 steady-heading sideslip.
 
 Expected: the sideslip angle overshoots to 14.8 deg at 4.2 s and stays near 13.5 deg. The bank
-takes longer: 18.7 deg after 20 s, where the published flight ends, with a heading of 339.5 deg, and
-23.3 deg after 40 s. The heading falls to 338.7 deg, then turns back. (The figure draws it from 0
-downwards, without the jump to 360.)
+settles more slowly: 18.7 deg after 20 s, the end of the published flight, with a heading of 339.5
+deg, and 23.3 deg after 40 s. The heading falls to 338.7 deg, then turns back. (The figure draws it
+from 0 downwards, without the jump to 360.)
 
 Source: notebook 7 of the published JSBSim/PathSim notebooks, and RudderKick.py of JSBSim. Alpha is
 limited to -4 to 12 deg, as published.

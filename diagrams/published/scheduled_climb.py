@@ -1,11 +1,11 @@
 """Climb by schedule: throttle and pitch trim follow the altitude through lookup tables.
 
 An A-4 climbs from a trim at 1000 ft, 300 KCAS and 5 deg. The tables hold the commands of that trim
-at each 1000 ft (the study ``climb_schedule``); nothing is fed back but the altitude. The run ends
-itself at 20,000 ft.
+at each 1000 ft (the study ``climb_schedule``); only the altitude is fed back. The run stops at
+20,000 ft.
 
-Expected: 20,000 ft after 406.3 s, at 295.7 KCAS and 4.6 deg: the tables trim a steady climb, and do
-not have the thrust that speeds the aircraft up in a climb at constant calibrated airspeed.
+Expected: 20,000 ft after 406.3 s, at 295.7 KCAS and 4.6 deg: the tables come from steady-climb
+trims and do not include the thrust that accelerates the aircraft at constant calibrated airspeed.
 
 Source: notebook 10 of the published JSBSim/PathSim notebooks; its flight with the first trim held
 is the diagram ``fixed_trim_climb``. Alpha is limited to -4 to 12 deg, as published.

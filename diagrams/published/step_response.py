@@ -3,9 +3,9 @@
 .. math::
     \\tau \\dot y + y = u, \\qquad y(t) = 1 - e^{-t / \\tau}
 
-with tau = 2 s and a unit step at t = 0: the model of an actuator or of a turbine that spools up.
+with tau = 2 s and a unit step at t = 0: the model of an actuator or a turbine spooling up.
 
-Expected: 63.2 % after one time constant, 95.0 % after three; the two curves lie on each other.
+Expected: 63.2 % after one time constant, 95.0 % after three; the two curves coincide.
 
 Source: notebook 3 of the published JSBSim/PathSim notebooks.
 """

@@ -3,7 +3,7 @@
 .. math::
     \\ddot x - \\mu (1 - x^2) \\dot x + x = 0
 
-with mu = 1.5, x(0) = 2, v(0) = 0.5. Wing rock of slender wings is of this kind.
+with mu = 1.5, x(0) = 2, v(0) = 0.5. Wing rock of slender wings is such an oscillation.
 
 Expected: a limit cycle with an amplitude of 2.015 and a period of 7.10 s.
 

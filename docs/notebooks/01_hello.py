@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 1. Hello, JSBSim
 #
-# A Cessna 172, trimmed at 3000 ft and 80 knots. The first chapter flies it for a second, first with JSBSim alone, then
+# A Cessna 172, trimmed at 3000 ft and 80 knots. This chapter flies it for a second, first with JSBSim alone, then
 # as a block in a diagram, and looks at the properties of the model.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`. It copies the chapters to
@@ -16,9 +16,9 @@ for package in ("jsbsim", "pathsim", "pathsim-flight"):
 # %% [markdown]
 # ## JSBSim alone
 #
-# `FGFDMExec` is JSBSim's executive: it holds one aircraft. Everything is read and written by the names of properties. The
+# `FGFDMExec` is JSBSim's executive: it holds one aircraft. All data are read and written through named properties. The
 # initial conditions are those under `ic/`; `run_ic` applies them. Then the engine is started (-1 means all engines), and
-# the last line searches for the controls with which nothing accelerates: 1 is the full trim, of all six axes.
+# the last line trims the aircraft: 1 selects the full trim, which drives all six accelerations to zero.
 
 # %%
 import jsbsim
@@ -69,12 +69,12 @@ for name, value in alone.items():
 #
 # $$x_{k+1} = f(x_k, u_k), \qquad t_k = k\,T, \qquad T = 1/120\ \mathrm{s}$$
 #
-# and it begins at the trim, where $\dot u = \dot v = \dot w = \dot p = \dot q = \dot r = 0$.
+# and it begins at the trim, at which $\dot u = \dot v = \dot w = \dot p = \dot q = \dot r = 0$.
 #
 # ![Aircraft and Scope](figures/aircraft.svg)
 #
-# `Aircraft` loads and trims the model when it is built. Its inputs are *increments* on the trimmed commands: none is
-# connected, so the controls stay where the trim has put them.
+# `Aircraft` loads and trims the model when it is built. Its inputs are *increments* on the trimmed commands. They
+# are unconnected, so the controls stay at their trim settings.
 
 # %%
 from pathsim_jsbsim_blocks import Aircraft
@@ -86,7 +86,7 @@ plane = Aircraft(
 plane.trim
 
 # %% [markdown]
-# `Scope` records what is connected to it, and a `Connection` leads from an output to one input or several. Ports have
+# `Scope` records the signals connected to it, and a `Connection` leads from an output to one or more inputs. Ports have
 # names: `plane["h"]` is the altitude.
 
 # %%
@@ -116,7 +116,7 @@ sim = Simulation(
 )
 
 # %% [markdown]
-# A second of flight (`log=False` leaves out PathSim's progress lines). The same numbers, from both:
+# A second of flight (`log=False` leaves out PathSim's progress lines). Both give the same numbers:
 
 # %%
 sim.run(1.0)
@@ -135,21 +135,21 @@ for (name, value), block in zip(
     print(f"{name:22} {value:9.4f} {block:9.4f}")
 
 # %% [markdown]
-# What the block adds: it keeps the clock of the diagram with any solver, refuses names that do not exist, and lets no model
-# open a socket, write a file or print.
+# The block also keeps time with the diagram under any solver, refuses names that do not exist, and prevents models from
+# opening sockets, writing files and printing.
 
 # %%
 from pathsim_jsbsim_blocks.plots import time_histories
 
 time_histories(
-    flight, heading, title="c172p, trimmed: 1 s of nothing happening"
+    flight, heading, title="c172p: 1 s of trimmed flight"
 )
 
 # %% [markdown]
 # ## Properties
 #
-# A model has hundreds of properties, this one 678. JSBSim finds names by a part of them, and says whether each can be
-# read (R) and written (W):
+# A model has hundreds of properties, this one 678. JSBSim searches for part of a name, and shows whether each property
+# can be read (R) and written (W):
 
 # %%
 for line in fdm.query_property_catalog("velocities/").split("\n")[:5]:
@@ -190,7 +190,7 @@ print(
 # ## In short
 #
 # - JSBSim alone is an executive with properties: load, set `ic/`, `run_ic`, trim, `run`.
-# - `Aircraft` is the same flight as a block: named ports, inputs as increments on the trim, the clock of the diagram.
-# - A model tells its properties by name; 40 of this one's are velocities.
+# - `Aircraft` flies the same as a block: named ports, inputs as increments on the trim, the clock of the diagram.
+# - A model lists its properties by name; 40 of this one's are velocities.
 #
 # Next: [a minute of trimmed flight, and a turn](02_trimmed_flight.ipynb).

@@ -1,13 +1,13 @@
 # %% [markdown]
 # # 2. Trimmed flight and a turn
 #
-# What "trimmed" means: with the controls fixed, an aircraft stays where it is. And what happens when one of them moves.
+# "Trimmed" means that the aircraft keeps its flight condition with the controls fixed. Then one control moves.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # ## A minute of trimmed flight
 #
-# A trim is a search for the angle of attack, the throttle and the other controls $u$ with which the accelerations vanish:
+# A trim is a search for the angle of attack, the throttle and the other controls $u$ at which the accelerations vanish:
 #
 # $$\dot u = \dot v = \dot w = 0, \qquad \dot p = \dot q = \dot r = 0, \qquad \theta = \alpha + \gamma$$
 #
@@ -90,12 +90,12 @@ ground_track(
 )
 
 # %% [markdown]
-# The ailerons balance the propeller's torque (176 ft lbf); the bank of 0.05 deg balances the side force that comes with
+# The ailerons balance the propeller's torque (176 ft lbf); the bank of 0.05 deg balances the side force of
 # the rudder (1.5 lbf). [Trimmed flight](../concepts/trimmed-flight.md) lists which
 # quantities are zero.
 #
-# The same block again, at another airspeed: a parameter changed in flight acts at the next reset, as the warning says. The
-# reset trims the aircraft anew, slower with a larger angle of attack.
+# The same block again, at another airspeed: a parameter changed in flight takes effect at the next reset, as the warning states. The
+# reset trims the aircraft again, at a lower airspeed and a larger angle of attack.
 
 # %%
 plane.speed = 80.0
@@ -119,8 +119,8 @@ from pathsim.blocks import StepSource
 aileron = StepSource(amplitude=[-0.15, 0.0], tau=[0.0, 5.0])
 
 # %% [markdown]
-# `JSBSimFDM` makes any property of JSBSim a port. Unlike `Aircraft` it writes its inputs as they stand: here the command
-# itself is set, not an increment on it.
+# `JSBSimFDM` makes any JSBSim property a port. Unlike `Aircraft` it writes its inputs unchanged: here it sets the command
+# itself, not an increment.
 
 # %%
 from pathsim_jsbsim_blocks import JSBSimFDM
@@ -174,8 +174,8 @@ ground_track(
 )
 
 # %% [markdown]
-# A fixed aileron sets a roll rate, not a bank angle: the aircraft rolls to 57 deg, and goes on turning and descending when
-# the aileron is back in the middle. While it is banked its heading changes at
+# A fixed aileron sets a roll rate, not a bank angle: the aircraft rolls to -57 deg and keeps turning and descending after
+# the aileron returns to neutral. While it is banked its heading changes at
 #
 # $$\dot\psi = \frac{g \tan\phi}{V}$$
 #
@@ -196,8 +196,8 @@ for name in ("trimmed_flight", "aileron_turn"):
 # %% [markdown]
 # ## In short
 #
-# - In a trim nothing accelerates: with fixed controls altitude, airspeed and load factors stay.
-# - A parameter of a block that is changed acts at the next reset, with a new trim.
-# - An aileron sets a roll rate: a turn needs a controller.
+# - In a trim all accelerations are zero: with fixed controls altitude, airspeed and load factors are constant.
+# - A changed parameter of an aircraft takes effect at the next reset, with a new trim.
+# - An aileron sets a roll rate, so a steady turn needs a controller.
 #
 # Next: [block diagrams](03_diagrams.ipynb).

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 3. Block diagrams
 #
-# Three diagrams without an aircraft: how blocks and connections make a differential equation.
+# Three diagrams without an aircraft: how blocks and connections represent a differential equation.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
@@ -12,10 +12,10 @@
 # The short period of an aircraft looks like this. A diagram solves for the highest derivative and integrates it:
 # $\ddot x = -2 \zeta \omega_n \dot x - \omega_n^2 x$.
 #
-# ![Two integrators in a row, two gains, an adder](figures/damped_oscillator.svg)
+# ![Two integrators in series, two gains, an adder](figures/damped_oscillator.svg)
 #
-# An `Integrator` has an output $y = y_0 + \int u\,dt$. Two of them in a row make the velocity from the acceleration and the
-# position from the velocity; their arguments are the initial values.
+# An `Integrator` has an output $y = y_0 + \int u\,dt$. Two in series give velocity from acceleration and position
+# from velocity; their arguments are the initial values.
 
 # %%
 from pathsim import Connection, Simulation
@@ -28,7 +28,7 @@ velocity = Integrator(0.0)
 position = Integrator(1.0)
 
 # %% [markdown]
-# An `Amplifier` multiplies by its gain. One makes the damping term from the velocity, one the stiffness term from the
+# An `Amplifier` multiplies by its gain. One gives the damping term from the velocity, one the stiffness term from the
 # position.
 
 # %%
@@ -43,8 +43,8 @@ acceleration = Adder()
 scope = Scope(labels=["position x [-]", "velocity v [1/s]"])
 
 # %% [markdown]
-# The connections close the two loops of the picture: each begins at an output and leads to one input or several. RK4, a
-# Runge-Kutta method of fourth order, integrates in steps of 0.01 s.
+# The connections close the two loops of the picture: each leads from an output to one or more inputs. RK4, the
+# fourth-order Runge-Kutta method, integrates in steps of 0.01 s.
 
 # %%
 from pathsim.solvers import RK4
@@ -91,8 +91,8 @@ print(f"exact                         {exact:.4f}")
 #
 # ![StepSource, adder, gain, integrator, with a feedback](figures/step_response.svg)
 #
-# `StepSource` is 1 from `tau` = 0 s on. `Adder("+-")` subtracts its second input from its first: it makes $u - y$. The gain
-# $1/\tau$ makes $\dot y$ of that, and the integrator $y$.
+# `StepSource` is 1 from `tau` = 0 s on. `Adder("+-")` subtracts its second input from its first: it gives $u - y$. The gain
+# $1/\tau$ gives $\dot y$, and the integrator $y$.
 
 # %%
 import numpy
@@ -134,12 +134,12 @@ figure
 #
 # $$\ddot x - \mu (1 - x^2) \dot x + x = 0$$
 #
-# The damping is negative for small deflections and positive for large ones, so that every start ends on the same limit
-# cycle. Wing rock of slender wings is of this kind.
+# The damping is negative for small deflections and positive for large ones, so every start except the origin ends on the same
+# limit cycle. Wing rock of slender wings is such an oscillation.
 #
 # ![A Function and two integrators](figures/van_der_pol.svg)
 #
-# A `Function` computes its output from its inputs by any Python function. Here it is the whole right-hand side:
+# A `Function` computes its output from its inputs with any Python function. Here it is the whole right-hand side:
 # $\dot v = \mu (1 - x^2) v - x$.
 
 # %%
@@ -176,7 +176,7 @@ phase_portrait(
 )
 
 # %% [markdown]
-# The same over time: not a sine, but slow at the turning points and fast between them.
+# The time history is not a sine: slow at the turning points and fast between them.
 
 # %%
 time_histories(scope, title=f"Van der Pol's oscillator: mu = {mu:g}")
@@ -197,8 +197,8 @@ for name in ("damped_oscillator", "step_response", "van_der_pol"):
     )
 
 # %% [markdown]
-# `pathsim-jsbsim view van_der_pol` opens the diagram in the editor. A model becomes a script again, by the editor's own
-# button or here:
+# `pathsim-jsbsim view van_der_pol` opens the diagram in the editor. The editor's own button converts a model
+# to a script again, as does this line:
 
 # %%
 import tempfile
@@ -217,12 +217,12 @@ start = next(i for i, line in enumerate(lines) if "Integrator(" in line)
 print("\n".join(lines[start : start + 6]))
 
 # %% [markdown]
-# [A diagram drawn in PathView](../drawing.md) goes the whole way with the mouse.
+# [A diagram drawn in PathView](../drawing.md) does all of this with the mouse.
 #
 # ## In short
 #
-# - Integrators, gains and adders make a differential equation; connections close its loops.
-# - Each result is checked against a solution known from elsewhere.
+# - Integrators, gains and adders represent a differential equation; connections close its loops.
+# - Each result is checked against an independent solution.
 # - The same diagram is a script, a model of the editor, and a script again.
 #
 # Next: [an elevator doublet](04_elevator_doublet.ipynb).

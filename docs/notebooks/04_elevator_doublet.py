@@ -1,8 +1,8 @@
 # %% [markdown]
 # # 4. An elevator doublet
 #
-# A business jet at 15,000 ft and 250 knots. Its elevator moves up for a second, and down for a second: the short period
-# answers and dies out.
+# A business jet at 15,000 ft and 250 knots. The elevator is deflected up for 1 s, then down for 1 s; this excites the
+# short period, which decays.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
@@ -39,7 +39,7 @@ print(f"elevator     {math.degrees(trim.elevator_rad):10.4f} deg")
 print(f"throttle     {trim.throttle[0]:10.4f}")
 
 # %% [markdown]
-# The elevator stands at -3 deg, and its command is 0:
+# The elevator deflection is -3 deg, and its command is 0:
 
 # %%
 print(fdm["fcs/elevator-cmd-norm"], fdm["fcs/pitch-trim-cmd-norm"])
@@ -63,10 +63,9 @@ print(fdm["fcs/elevator-cmd-norm"], fdm["fcs/pitch-trim-cmd-norm"])
 # \qquad A = 0.1
 # $$
 #
-# A negative command raises the nose, so `polarity=-1` begins nose up. The published diagram makes this of three blocks:
+# A negative command raises the nose, so `polarity=-1` begins nose up. The published diagram uses three blocks:
 # a `Source` for the command at trim, a `StepSource` for the four edges, and an `Adder` for their sum. `DoubletSource`
-# stands for all three: the trimmed command is in the aircraft block already, so that neither the first nor the sum is
-# needed, and the edges are where they should be at any step size.
+# replaces all three: the aircraft block already adds the trimmed command, and the edges are exact at any step size.
 
 # %%
 from pathsim_jsbsim_blocks import DoubletSource
@@ -76,7 +75,7 @@ doublet = DoubletSource(
 )
 
 # %% [markdown]
-# The scope shows the command in per cent, which an `Amplifier` makes of it.
+# An `Amplifier` converts the command to per cent for the scope.
 
 # %%
 from pathsim import Connection, Simulation
@@ -113,7 +112,7 @@ print(
 # %% [markdown]
 # ## The shorter way
 #
-# The diagram is in the catalogue. Its values can be changed as it is loaded: here half the amplitude.
+# The diagram is in the catalogue. Its values can be changed on loading: here half the amplitude.
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram
@@ -125,12 +124,12 @@ print(f"alpha from {half.min():.2f} to {half.max():.2f} deg")
 
 # %% [markdown]
 # Half the command gives half the response, to 0.01 deg: the aircraft is almost linear here.
-# [Linear models](../linear-models.md) go on from there, and the diagram `doublet_linear_nonlinear` draws both.
+# [Linear models](../linear-models.md) build on this, and the diagram `doublet_linear_nonlinear` plots both.
 #
 # ## In short
 #
-# - `setup` loads the aircraft before its trim; JSBSim trims with the trim wheel, so the elevator command is 0.
-# - A doublet excites the short period: alpha swings from 1.82 to 6.40 deg and dies out.
+# - `setup` sets payload and fuel before the trim; JSBSim trims with the trim wheel, so the elevator command is 0.
+# - A doublet excites the short period: alpha swings from 1.82 to 6.40 deg and the motion decays.
 # - Half the command gives half the response: the aircraft is almost linear here.
 #
 # Next: [a pitch hold](05_pitch_hold.ipynb).

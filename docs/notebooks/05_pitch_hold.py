@@ -12,13 +12,13 @@
 # K_i \int (\theta_{\mathrm{cmd}} - \theta)\,dt - K_r\,q \right]
 # $$
 #
-# The minus sign in front: a positive elevator command moves the nose **down**. $K_p$ acts on the pitch error, $K_i$ on its
+# The minus sign is there because a positive elevator command moves the nose **down**. $K_p$ acts on the pitch error, $K_i$ on its
 # integral, $K_r$ on the pitch rate $q$; $b$ is the weight of the reference in the proportional part, below 1 for less
 # overshoot.
 #
 # ![PitchHold and Aircraft in a loop](figures/pitch_hold.svg)
 #
-# The aircraft, trimmed; the throttle stays where the trim has left it.
+# The trimmed aircraft; the throttle stays at its trim setting.
 
 # %%
 from pathsim_jsbsim_blocks import Aircraft
@@ -27,7 +27,7 @@ plane = Aircraft("c172p", altitude=5000.0, speed=90.0, solver="jsbsim")
 print(f"trimmed at {plane.trim.theta:.4f} deg")
 
 # %% [markdown]
-# `PitchHold` is this law, sampled at 120 Hz, with the gains of an aircraft.
+# `PitchHold` is this law, sampled at 120 Hz, with gains for the c172p.
 
 # %%
 from pathsim_jsbsim_blocks import PitchHold
@@ -35,8 +35,8 @@ from pathsim_jsbsim_blocks import PitchHold
 hold = PitchHold(gains="c172p", theta_ref=3.0)  # deg
 
 # %% [markdown]
-# Two measurements lead to the hold, one command leads back. `elev_sat` tells it when the elevator is at the end of its
-# travel, so that the integral does not wind up.
+# The hold takes two measurements and returns one command. `elev_sat` signals that the elevator is at a stop, so that
+# the integral does not wind up.
 
 # %%
 from pathsim import Connection, Simulation
@@ -74,7 +74,7 @@ time_histories(
 )
 
 # %% [markdown]
-# The aircraft climbs, and slows down: the throttle does not move.
+# The aircraft climbs and slows down, because the throttle does not move.
 #
 # A parameter changed in flight takes effect at the next sample:
 
@@ -86,13 +86,13 @@ print(f"{plane.outputs['theta']:.3f} deg, {plane.outputs['hdot']:.1f} ft/s")
 # %% [markdown]
 # ## The sign
 #
-# The same loop from PathSim's own blocks, with a proportional controller alone:
+# The same loop built from PathSim's own blocks, with proportional control only:
 #
 # $$\Delta\delta_e = K\,(\theta_{\mathrm{ref}} - \theta)$$
 #
 # ![Constant, adder, gain and Aircraft in a loop](figures/pitch_loop.svg)
 #
-# A positive gain is the natural one to write, and the wrong one: it drives the pitch angle away from its reference.
+# A positive gain looks natural but has the wrong sign: it drives the pitch angle away from its reference.
 
 # %%
 from pathsim.blocks import Adder, Amplifier, Constant
@@ -128,13 +128,13 @@ for gain in (0.01, -0.01):
 # %% [markdown]
 # The published flight has the wrong sign, and its panel "Elevator command" shows the pitch error in degrees.
 #
-# With the right sign the pitch angle moves towards 3 deg; to get there takes the integral action of
+# With the right sign the pitch angle moves towards 3 deg; reaching it requires the integral action of
 # [`PitchHold`](../autopilots.md).
 #
 # ## Why 1/120 s
 #
-# The published flight takes steps of 1/60 s, JSBSim's own are 1/120 s. It integrates the rotation by Euler's method, whose
-# error halves with the step. The angle of attack in a doublet, against 960 Hz:
+# The published flight takes steps of 1/60 s, JSBSim's own are 1/120 s. JSBSim integrates the rotation by Euler's method, whose
+# error is proportional to the step. The angle of attack in a doublet, against 960 Hz:
 
 # %%
 from pathsim_jsbsim_blocks import DoubletSource
@@ -174,8 +174,8 @@ print(
 # %% [markdown]
 # ## In short
 #
-# - A positive elevator is nose down, so the law of a pitch hold begins with a minus.
-# - A proportional gain alone stops short of the reference; integral action gets there.
+# - A positive elevator command is nose down, so the law of a pitch hold begins with a minus.
+# - Proportional control alone stops short of the reference; integral action removes the error.
 # - The throttle does not move: the aircraft climbs and slows down.
 #
 # Next: [air data](05b_air_data.ipynb).

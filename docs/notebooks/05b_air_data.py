@@ -1,14 +1,14 @@
 # %% [markdown]
 # # 5b. Air data
 #
-# The standard atmosphere, and what an airspeed indicator shows in it.
+# The standard atmosphere, and the indication of an airspeed indicator in it.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # ## The standard atmosphere
 #
 # `ISAtmosphere` is the International Standard Atmosphere. Up to 11 km the temperature falls by 6.5 K per km of geopotential
-# altitude $H$, and the pressure follows from the balance of a column of air:
+# altitude $H$, and the pressure follows from hydrostatic equilibrium:
 #
 # $$
 # T = T_0 - L H, \qquad p = p_0 \left(\frac{T}{T_0}\right)^{g_0 / (R L)}, \qquad \rho = \frac{p}{R\,T}, \qquad
@@ -75,15 +75,15 @@ plt.show()
 # ## Calibrated and true airspeed
 #
 # An airspeed indicator shows the speed that would cause the measured impact pressure $q_c$ at sea level (CAS). The true
-# airspeed (TAS) causes the same $q_c$ where the pressure is $p$ and the speed of sound $a$:
+# airspeed (TAS) causes the same $q_c$ at a pressure $p$ and a speed of sound $a$:
 #
 # $$
 # q_c = p_0 \left[ \left( 1 + \frac{\mathrm{CAS}^2}{5\,a_0^2} \right)^{7/2} - 1 \right], \qquad
 # \mathrm{TAS} = a \sqrt{5 \left[ \left( \frac{q_c}{p} + 1 \right)^{2/7} - 1 \right]}
 # $$
 #
-# Both hold below Mach 1; the blocks use Rayleigh's formula above. With $\mathrm{TAS} = \mathrm{CAS} / \sqrt{\rho / \rho_0}$, as the published table has it, one gets the true airspeed of 120
-# knots of *equivalent* airspeed.
+# Both hold below Mach 1; the blocks use Rayleigh's formula above. With $\mathrm{TAS} = \mathrm{CAS} / \sqrt{\rho / \rho_0}$, as in the published
+# table, the result is the true airspeed for 120 kt of *equivalent* airspeed.
 
 # %%
 from pathsim_jsbsim_blocks.air import cas_to_tas, eas_to_tas, isa
@@ -115,7 +115,7 @@ print(f"{len(diagram.sim.blocks)} blocks, {diagram.sim.time:.0f} s")
 # ## In short
 #
 # - Temperature falls by 6.5 K per km up to 11 km; pressure follows from the weight of the air above.
-# - CAS is what the indicator shows; at 40,000 ft the TAS is twice as much.
-# - The formula with the root of the density ratio is that of EAS, which is below CAS in compressible air.
+# - An ideal indicator shows CAS; at 40,000 ft the TAS is twice as much.
+# - The formula with the square root of the density ratio applies to EAS, which is below CAS because of compressibility.
 #
 # Next: [angle of attack against airspeed](06_alpha.ipynb).

@@ -2,15 +2,15 @@
 # # 6. Angle of attack against airspeed
 #
 # A business jet in level flight at 15,000 ft, trimmed at each airspeed. The published notebook is by Sean McLeod, Guilherme Araujo
-# Lima da Silva and Agostino De Marco, with icing in view: where ice grows on a wing depends on its angle of attack.
+# Lima da Silva and Agostino De Marco, for a study of icing: the location of ice on a wing depends on the angle of attack.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
-# In level flight the lift carries the weight:
+# In level flight lift equals weight:
 #
 # $$W = L = \tfrac12 \rho V^2 S\, C_L(\alpha)$$
 #
-# Half the speed asks for four times the lift coefficient, and so for a larger angle of attack, until the wing stalls.
+# Halving the speed requires four times the lift coefficient, and so a larger angle of attack, until the wing stalls.
 
 # %%
 import pandas as pd
@@ -46,10 +46,10 @@ figure.suptitle("global5000: level flight at 15,000 ft")
 plt.show()
 
 # %% [markdown]
-# ## Where there is no trim
+# ## Speeds without a trim
 #
-# A speed without a trim has NaN in its row, and the reason: "alpha limit" where the wing would need a larger angle of attack
-# than the model's limit, "thrust" where the engines have not enough of it.
+# A speed without a trim has NaN in its row, and the reason: "alpha limit" if the wing would need a larger angle of attack
+# than the model's limit, "thrust" if the available thrust is insufficient.
 
 # %%
 trims, fails = table[table.reason == ""], table[table.reason != ""]
@@ -57,8 +57,8 @@ print(f"{len(fails)} of {len(table)} speeds have no trim")
 fails.groupby("reason").KCAS.agg(["count", "min", "max"])
 
 # %% [markdown]
-# The ends of the table are the limits of level flight: below $V_{min}$ the wing cannot carry the weight, above $V_{max}$ the
-# engines cannot balance the drag. To the 10 knots of the table:
+# The ends of the table are the limits of level flight: below $V_{min}$ the lift is less than the weight, above $V_{max}$ the
+# thrust is less than the drag. To the 10 knots of the table:
 
 # %%
 print(
@@ -70,7 +70,7 @@ print(
 #
 # The study `aoa_vs_cas` is this loop with a table of more columns, on all cores. `aoa_vs_cas_loading` does it for three
 # weights, with the CG of the empty aircraft 39.5 in forward at 8000 ft and 39.5 in aft at 30,000 ft. Only the CG moves: the
-# moments of inertia are not updated, which a trim does not need.
+# moments of inertia stay as they are, since a trim does not depend on them.
 
 # %%
 from pathsim_jsbsim_blocks import studies
@@ -79,8 +79,8 @@ loading = studies.aoa_vs_cas_loading(jobs=1, progress=False)
 studies.alpha_elevator_chart(loading)
 
 # %% [markdown]
-# In a stable aircraft the elevator in trim moves down as the speed grows. With the CG aft it moves up: light and mid
-# are statically unstable there.
+# In a stable aircraft the trimmed elevator moves down as the speed increases. With the CG aft it moves up: the light and
+# the mid weight are statically unstable.
 #
 # ## Another aircraft
 
@@ -97,8 +97,8 @@ cessna[["speed_kcas", "alpha_deg", "weight_lb", "cg_x_in"]].round(2)
 # %% [markdown]
 # ## In short
 #
-# - Each speed is a trim; alpha falls with the airspeed as the lift coefficient does.
-# - Where there is no trim the error says why: below V_min the angle of attack, above V_max the thrust.
-# - With the CG far enough aft the elevator in trim moves the other way: the aircraft is unstable.
+# - Each speed is a trim; alpha decreases with increasing airspeed, as the lift coefficient does.
+# - A speed without a trim has a reason: below V_min the angle of attack, above V_max the thrust.
+# - With the CG far enough aft the trimmed elevator moves the other way: the aircraft is statically unstable.
 #
 # Next: [a rudder kick](07_rudder_kick.ipynb).

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 7. A rudder kick
 #
-# A 737 at 1000 ft and 200 knots. Rudder and aileron ramp up in 3 s, against each other, and are held.
+# A 737 at 1000 ft and 200 knots. Rudder and aileron ramp up in 3 s, in opposite senses, and are held.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
@@ -82,11 +82,11 @@ print(
 # %% [markdown]
 # The published loop adds 1/360 of each command per step. Rounding leaves the sum of 360 such increments just below its limit,
 # so one more is added: the commands end at 361/360, 1.0028 and 0.9226, the bank at 17.9 deg
-# ([what the published examples got wrong](../published-examples.md#what-the-published-examples-got-wrong)).
+# ([errors of the published examples](../published-examples.md#what-the-published-examples-got-wrong)).
 #
 # ## The shorter way
 #
-# The diagram `rudder_kick` goes on to 40 s, where the bank is almost steady:
+# The diagram `rudder_kick` continues to 40 s, when the bank is almost steady:
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram
@@ -100,7 +100,7 @@ print(
 # %% [markdown]
 # ## In short
 #
-# - Two ramps lead towards a steady sideslip, in which rudder, ailerons and bank balance.
+# - Two ramps lead towards a steady sideslip, in which rudder, ailerons and bank are in balance.
 # - `RampSource` ends exactly at its value; a sum of rounded increments does not.
 # - At 20 s the bank still changes; at 40 s it is almost steady.
 #

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 8. Thrust vectoring
 #
-# Which way should the engines of a 737 point, so that it needs the least thrust? Two conditions: "cruise" is level flight at
+# In which direction should the engines of a 737 point for minimum thrust? There are two conditions: "cruise" is level flight at
 # 30,000 ft and Mach 0.8, "climb" is 3 deg at 15,000 ft and 300 knots.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
@@ -28,7 +28,8 @@ for case, rows in table.groupby("case", sort=False):
 #
 # $$F \cos\varepsilon = D(L) + W \sin\gamma, \qquad L = W \cos\gamma - F \sin\varepsilon$$
 #
-# What the thrust carries, the wing does not, and that saves drag. At constant airspeed $F$ is least where
+# The lift component of the thrust unloads the wing, which reduces the lift-dependent drag. At constant airspeed $F$ has
+# its minimum at
 #
 # $$\tan\varepsilon = \frac{dD}{dL}$$
 #
@@ -73,13 +74,12 @@ for case, condition in conditions.items():
     )
 
 # %% [markdown]
-# The study finds about 1 deg less: the formula leaves out the moment of the tilted thrust. The report that asked the
-# question is [NASA/TM-2000-209021](https://ntrs.nasa.gov/citations/20000034897); [Studies](../studies.md) compares.
+# The study finds about 1 deg less: the formula neglects the moment of the tilted thrust. The question comes from [NASA/TM-2000-209021](https://ntrs.nasa.gov/citations/20000034897); [Studies](../studies.md) compares.
 #
 # ## In short
 #
-# - Thrust that carries weight saves drag, until it costs more than it saves.
-# - The least thrust is at about 4 deg in both conditions, and the saving is small.
-# - The balance of forces gives the same angle but for 1 deg, the moment of the thrust.
+# - Tilted thrust reduces drag, until the thrust lost along the path exceeds the saving.
+# - The minimum thrust is at about 4 deg in both conditions, and the saving is small.
+# - The balance of forces gives the same angle within 1 deg, the effect of the thrust's moment.
 #
 # Next: [the trim envelope](09_envelope.ipynb).

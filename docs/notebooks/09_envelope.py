@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 9. The trim envelope
 #
-# Where can a 737 fly steadily at 15,000 ft? Airspeed against flight path angle, with every second speed of the study.
+# At which airspeeds and flight path angles can a 737 fly steadily at 15,000 ft? The map has every second speed of the study.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
@@ -9,8 +9,8 @@
 #
 # $$T = D + W \sin\gamma, \qquad 0 \le T \le T_{max}$$
 #
-# The largest thrust bounds the climb, the drag with the throttle closed bounds the descent, and to the left the angle of
-# attack reaches its limit.
+# Maximum thrust limits the climb angle, drag at idle limits the descent angle, and the angle-of-attack limit sets the
+# low-speed boundary.
 
 # %%
 import pandas as pd
@@ -51,7 +51,7 @@ figure.colorbar(points, label="throttle [-]")
 plt.show()
 
 # %% [markdown]
-# Points without a trim say why:
+# Points without a trim have a reason:
 
 # %%
 fails.reason.value_counts()
@@ -63,7 +63,7 @@ fails.reason.value_counts()
 # ## In short
 #
 # - The envelope of steady flight is a map of trims: 364 of 680 in the study.
-# - Thrust bounds it above, idle drag below, the angle of attack to the left.
-# - Every point outside says which limit it meets.
+# - Maximum thrust limits it above, idle drag below, and the angle of attack at low speed.
+# - Every point outside has the limit that it exceeds.
 #
 # Next: [climbs](10_climbs.ipynb).

@@ -13,8 +13,8 @@
 #
 # ![Aircraft and Scope](figures/aircraft.svg)
 #
-# An aircraft and a scope, nothing else: throttle and pitch trim stay where they are. A `Condition` is an event: it stops the
-# run at 20,000 ft, should the aircraft get there.
+# The diagram has only an aircraft and a scope: throttle and pitch trim stay at their settings. A `Condition` is an event: it stops the
+# run at 20,000 ft if the aircraft reaches it.
 
 # %%
 import math
@@ -68,7 +68,7 @@ print(
 )
 
 # %% [markdown]
-# `fly` runs a diagram as `sim.run` does, in less time per step. The path flattens: the engine has less thrust in thinner air.
+# `fly` runs a diagram as `sim.run` does, in less time per step. The path flattens: the engine gives less thrust in thinner air.
 #
 # ## Throttle and pitch trim by a schedule
 #
@@ -88,8 +88,8 @@ studies.climb_chart(table)
 # %% [markdown]
 # ![Two lookup tables move throttle and pitch trim with the altitude](figures/scheduled_climb.svg)
 #
-# `LUT1D` is a lookup table: it interpolates between the points. Nothing is fed back but the altitude. `JSBSimFDM` writes
-# the commands themselves, as the tables hold them.
+# `LUT1D` is a lookup table: it interpolates between the points. Only the altitude is fed back. `JSBSimFDM` writes
+# the commands themselves, as the tables contain them.
 
 # %%
 from pathsim.blocks import LUT1D
@@ -163,8 +163,8 @@ figure.suptitle("A-4: climb from a trim at 300 KCAS and 5 deg")
 plt.show()
 
 # %% [markdown]
-# The schedule asks for 5 deg and the aircraft flies 4.6: at constant calibrated airspeed the true airspeed grows with the
-# altitude, and the tables, made of steady climbs, do not have the thrust for that acceleration.
+# The schedule is for 5 deg and the aircraft flies 4.6: at constant calibrated airspeed the true airspeed increases with
+# altitude; the tables come from steady-climb trims and do not include the thrust needed for that acceleration.
 #
 # ## As airliners climb
 #
@@ -221,7 +221,7 @@ phase_portrait(
 # %% [markdown]
 # ## The shorter way
 #
-# `fixed_trim_climb`, `scheduled_climb` and `constant_cas_climb` are in the catalogue. The last has the other airspeeds, too:
+# `fixed_trim_climb`, `scheduled_climb` and `constant_cas_climb` are in the catalogue. The last has the other airspeeds as well:
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram
@@ -236,8 +236,8 @@ show(airliner.figure(), "climb")
 #
 # ## In short
 #
-# - With the first trim held the climb dies away: thrust falls with the air's density.
-# - A schedule of trims keeps the climb, but for the thrust that accelerates the aircraft.
-# - Airliners change from constant CAS to constant Mach where both give the same TAS.
+# - With the first trim held the rate of climb decays, because thrust falls with air density.
+# - A schedule of trims keeps the climb angle, less the thrust that accelerates the aircraft.
+# - Airliners change from constant CAS to constant Mach at the altitude at which both give the same TAS.
 #
 # Next: [performance charts](11_performance.ipynb).

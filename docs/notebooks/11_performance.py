@@ -1,12 +1,12 @@
 # %% [markdown]
 # # 11. Performance charts
 #
-# What can the Cessna 172P do? One function trims it at full throttle, with the throttle
-# closed and in level flight, over all airspeeds, and flies a sample of what it finds.
+# One function trims the Cessna 172P at full throttle, with the throttle closed and in level
+# flight, over all airspeeds, and flies a sample of the results.
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
-# At constant airspeed $V$ the power left over after level flight raises the weight $W$; with the throttle closed the glide
+# At constant airspeed $V$ the excess power raises the weight $W$; with the throttle closed the glide
 # ratio is $L/D$:
 #
 # $$\dot h = V \sin\gamma = \frac{(T - D)\,V}{W}, \qquad -\frac{1}{\tan\gamma} = \frac{L}{D}$$
@@ -22,8 +22,8 @@ studies.performance_chart(
 )
 
 # %% [markdown]
-# These are four of ten panels; without `charts` all are drawn. Each row of the table is a value with its condition. Of the best values, `flown` is what 60 s of flight with controls fixed
-# find, and `reason` says what limits a value:
+# These are four of ten panels; without `charts` all are drawn. Each row of the table is a value with its condition.
+# For the best values, `flown` is the value measured in a 60 s flight with fixed controls; `reason` names what limits a value:
 
 # %%
 best = table[table.flown.notna() & (table.quantity != "specific range")]
@@ -32,9 +32,9 @@ best[
 ].round(2)
 
 # %% [markdown]
-# ## Where the values come from
+# ## Origin of the values
 #
-# A rate of climb is excess power over weight. That of the model, at sea level:
+# A rate of climb is excess power over weight. For the model at sea level:
 
 # %%
 sea = table[(table.altitude_ft == 0) & (table.flaps_norm == 0)]
@@ -43,7 +43,7 @@ power = climb.weight_lb * climb.value / 33000
 print(f"{climb.value:.0f} ft/min take {power:.0f} hp of excess power")
 
 # %% [markdown]
-# The aircraft has 160 hp; the model's engine gives more, so it climbs better than the aircraft:
+# The aircraft has 160 hp; the model's engine gives more, so the model climbs better than the aircraft:
 
 # %%
 from pathsim_jsbsim_blocks.flight import Airframe, TrimCondition, trim
@@ -54,7 +54,7 @@ trim(plane, condition, hint=False)
 print(f"{plane.fdm['propulsion/engine/power-hp']:.0f} hp")
 
 # %% [markdown]
-# A stall speed is the largest lift coefficient in trim, $C_L = 2W / (\rho_0 V^2 S)$; `reason` says what limits it:
+# A stall speed gives the maximum lift coefficient in trim, $C_L = 2W / (\rho_0 V^2 S)$; `reason` names its limit:
 
 # %%
 stalls = table[(table.quantity == "stall speed") & (table.altitude_ft == 0)]
@@ -68,7 +68,7 @@ for row in stalls.itertuples():
 # ## In short
 #
 # - All charts are trims: at full throttle, with the throttle closed, in level flight.
-# - The best values are flown, and each names what limits it.
+# - The best values are flown, and each has the reason for its limit.
 # - The charts show the model, not the aircraft: this engine is too strong.
 #
 # [Performance charts](../performance.md) defines each value. This is the end of the course; from here on
