@@ -141,9 +141,7 @@ for (name, value), block in zip(
 # %%
 from pathsim_jsbsim_blocks.plots import time_histories
 
-time_histories(
-    flight, heading, title="c172p: 1 s of trimmed flight"
-)
+time_histories(flight, heading, title="c172p: 1 s of trimmed flight")
 
 # %% [markdown]
 # ## Properties
