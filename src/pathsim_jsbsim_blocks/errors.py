@@ -58,9 +58,9 @@ class AircraftError(BlocksError, ValueError):
     aircraft : str
         the model's name
     nearest : list[str]
-        known models with a similar name, or properties like those that are missing
+        models with a similar name, or existing properties similar to the missing ones
     missing : tuple[str, ...]
-        properties that the model uses and that do not exist, empty if that is not the reason
+        properties that the model uses but that do not exist; empty for another reason
     """
 
     def __init__(
@@ -158,7 +158,7 @@ class TrimError(BlocksError, RuntimeError):
 
 
 class LinearisationError(BlocksError, RuntimeError):
-    """No linear model exists: no steady trim, a zero or noisy response.
+    """A linear model cannot be identified: no steady trim, or a zero or noisy response.
 
     Attributes
     ----------
@@ -190,7 +190,7 @@ class LinearisationError(BlocksError, RuntimeError):
 
 
 class DesignError(BlocksError, RuntimeError):
-    """No gains hold an aircraft at a condition.
+    """The design found no gains for an aircraft at a condition.
 
     Attributes
     ----------

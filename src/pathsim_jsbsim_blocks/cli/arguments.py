@@ -85,7 +85,7 @@ TOOLBOX = repeatable(
 SET = repeatable("--set", "a property to write before the trim", "PROPERTY=VALUE")
 CREATE = repeatable(
     "--create",
-    "a property that the model expects from FlightGear; missing makes all that it lacks, as 0",
+    "a property that the model expects from FlightGear; missing creates all of them, as 0",
     "PROPERTY=VALUE",
 )
 
@@ -101,8 +101,8 @@ _NUMBERS = {
     "beta": "sideslip angle, deg",
     "throttle": "0 to 1; the path angle is then free",
     "thrust": "lbf, instead of --throttle",
-    "wind-north": "ft/s, the direction the wind blows to",
-    "wind-east": "ft/s",
+    "wind-north": "ft/s, towards the north",
+    "wind-east": "ft/s, towards the east",
     "latitude": "deg, north positive",
     "longitude": "deg, east positive",
     "gear": "0 up to 1 down",
@@ -111,14 +111,14 @@ _NUMBERS = {
 _TEXTS = {
     "mode": "full (default), longitudinal, ground, pull-up, turn, glide or none",
     "free": "gamma or speed, with --throttle, --thrust or a glide",
-    "solver": "newton (default) or jsbsim, the search of published numbers",
+    "solver": "newton (default) or jsbsim, as in the published notebooks",
 }
 CONDITION = (
     ROOT,
     *(number(f"--{name}", text) for name, text in _NUMBERS.items()),
     *(option(f"--{name}", text) for name, text in _TEXTS.items()),
     option(
-        "--engines-off", "those that do not run, from 0, or all", type=engine_numbers, metavar="N,N"
+        "--engines-off", "engines not running, from 0, or all", type=engine_numbers, metavar="N,N"
     ),
     SET,
     CREATE,

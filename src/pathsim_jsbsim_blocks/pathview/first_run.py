@@ -152,7 +152,7 @@ class FirstRun(Script):
         if run.method in _STATES:
             self.states.append((run.method, lines[-1] if lines else None))
             return
-        if self.run_start is None:  # a script may catch what ends it, and run again
+        if self.run_start is None:  # a script may catch SystemExit, and run again
             self.run_start, self.lines = run, lines
             if run.arguments.get("reset"):
                 run.simulation.reset()
