@@ -205,8 +205,8 @@ def test_modes_of_the_table_are_those_of_the_code(aircraft, monkeypatch):
     monkeypatch.syspath_prepend(DOCS)
     generate = importlib.import_module("generate")
     (row,) = (row for row in evidence("fleet-modes") if row["aircraft"] == aircraft)
-    made = generate.modes_of(aircraft)
-    assert made == f"| {' | '.join([*row.values()][:-1])} |\n"
+    cells = [cell.strip() for cell in generate.modes_of(aircraft).strip().strip("|").split("|")]
+    assert cells == [*row.values()][:-1]
 
 
 def evidence(name):

@@ -57,18 +57,17 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
             if not (connection and source):
                 continue  # switched off: another connection may replace it
             leads[source].append((i, faces.get(target, target), j))
-            wire = f"{_port(source, i, source.outputs)} to {_port(target, j, target.inputs)}"
             if id(connection) in crossing and id(source) in ids:
                 yield (
-                    f"{name_of(source)} is connected ({wire}) outside its subsystem, not by a port "
-                    "of it: it has no effect"
+                    f"{name_of(source)} is connected ({_wire(source, i, target, j)}) outside its "
+                    "subsystem, not by a port of it: it has no effect"
                 )
             for block in (source, target):
                 if id(block) not in ids:
                     ids.add(id(block))
                     yield (
-                        f"{name_of(block)} is connected ({wire}), but not among the blocks of "
-                        "the simulation: it has no effect"
+                        f"{name_of(block)} is connected ({_wire(source, i, target, j)}), but not "
+                        "among the blocks of the simulation: it has no effect"
                     )
             other, k = ends.setdefault((id(target), j), (source, i))
             if (other, k) != (source, i):
@@ -144,6 +143,11 @@ def _numbers(ports: Iterable[Any], register: Register) -> list[Any]:
 def _port(block: Block, number: int, register: Register) -> str:
     names = {i: name for name, i in port_names(register).items()}
     return f"{name_of(block)}[{names.get(number, number)!r}]"
+
+
+def _wire(source: Block, i: int, target: Block, j: int) -> str:
+    # names are looked up in the frames of callers: only for a message
+    return f"{_port(source, i, source.outputs)} to {_port(target, j, target.inputs)}"
 
 
 def name_of(block: Block) -> str:
