@@ -406,7 +406,7 @@ ONE = {"altitude": [5000], "speed": [90]}
         (lambda: Autopilot(pitch_mode=1), "no parameter 'pitch_mode': 'pitch_mode' is an input p"),
         (lambda: Aircraft("c172p", T=120), "T / substeps"),
         (lambda: trim("c172p", LEVEL), "airframe must be an Airframe, .* not 'c172p'"),
-        (lambda: flying_qualities("c172p"), "must be that of linear_model.*, not 'c172p'"),
+        (lambda: flying_qualities("c172p"), "LinearModel.*linear_model.*, not 'c172p'"),
         (lambda: fly(PitchHold(), 1.0), "sim must be a Simulation, not PitchHold"),
         (lambda: TrimCondition(engines_off=np.array([[0, 1]])), "engines_off must be"),
         (lambda: TrimCondition(engines_off=np.array(["a"])), "engines_off must be"),

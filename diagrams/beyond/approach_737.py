@@ -77,15 +77,16 @@ sim = Simulation(
 
 
 def figure():
-    import matplotlib.pyplot as plt
     import numpy as np
+
+    from pathsim_jsbsim_blocks.plots import subplots
 
     _, (distance, altitude) = position.read()
     _, (across, above) = deviation.read()
     _, (vc, psi, chi) = flight.read()
     nmi = distance / 6076.12
     path = np.array([0.0, nmi.max()])
-    drawing, axes = plt.subplots(4, 1, sharex=True, layout="constrained", figsize=(9, 10))
+    drawing, axes = subplots(4, 1, sharex=True, layout="constrained", figsize=(9, 10))
     axes[0].plot(nmi, altitude, label="aircraft")
     axes[1].plot(nmi, across, label="right of the line")
     axes[1].plot(nmi, above, "--", label="above the glide path")

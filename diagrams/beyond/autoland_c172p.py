@@ -155,15 +155,16 @@ sim = Simulation(
 
 
 def figure():
-    import matplotlib.pyplot as plt
     import numpy as np
+
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, (above, _) = height.read()
     _, (climb, vc) = rates.read()
     _, (across, distance) = ground.read()
     _, (_, wheels) = landing.read()
     past = 8000.0 - distance
-    drawing, axes = plt.subplots(4, 1, layout="constrained", figsize=(9, 11))
+    drawing, axes = subplots(4, 1, layout="constrained", figsize=(9, 11))
     axes[0].plot(past, above, label="height above the runway")
     axes[1].plot(past, across, label="right of the centre line")
     axes[2].plot(time, climb, label="rate of climb")

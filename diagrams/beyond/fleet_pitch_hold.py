@@ -118,11 +118,11 @@ sim = Simulation(
 
 
 def figure():
-    import matplotlib.pyplot as plt
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, pitches = pitch.read()
     _, elevators = elevator.read()
-    drawing, (top, bottom) = plt.subplots(2, 1, sharex=True, layout="constrained", figsize=(9, 7))
+    drawing, (top, bottom) = subplots(2, 1, sharex=True, layout="constrained", figsize=(9, 7))
     for label, theta, u in zip(pitch.labels, pitches, elevators, strict=True):
         top.plot(time, theta - theta[0], label=label.split()[0])
         bottom.plot(time, u)

@@ -84,12 +84,12 @@ sim = Simulation(
 
 
 def figure():
-    import matplotlib.pyplot as plt
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, down = gusts.read()
     _, nz = load_factors.read()
     gradients = [gust.gradient for gust in (gust_30, gust_90, gust_150, gust_200, gust_350)]
-    drawing, ((top, upper), (bottom, lower)) = plt.subplots(
+    drawing, ((top, upper), (bottom, lower)) = subplots(
         2, 2, width_ratios=(3, 2), layout="constrained", figsize=(10, 6)
     )
     bottom.sharex(top)

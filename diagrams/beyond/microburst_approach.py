@@ -71,12 +71,12 @@ def f_factor():
 
 
 def figure():
-    import matplotlib.pyplot as plt
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, (h, vc, throttle) = flight.read()
     _, (tailwind, downdraft, _) = wind.read()
     _, (h_still,) = still.read()
-    drawing, axes = plt.subplots(5, 1, sharex=True, layout="constrained", figsize=(9, 11))
+    drawing, axes = subplots(5, 1, sharex=True, layout="constrained", figsize=(9, 11))
     axes[0].plot(time, h, label="in the microburst")
     axes[0].plot(time, h_still, "k--", linewidth=0.9, label="in still air")
     axes[1].plot(time, tailwind, label="tailwind")

@@ -82,12 +82,12 @@ def spectra():
 
 
 def figure():
-    import matplotlib.pyplot as plt
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, h = altitude.read()
     _, nz = load_factor.read()
     frequency, densities = spectra()
-    drawing, (above, middle, below) = plt.subplots(3, 1, layout="constrained", figsize=(9, 9))
+    drawing, (above, middle, below) = subplots(3, 1, layout="constrained", figsize=(9, 9))
     for label, color, x, n in zip(
         ("controls fixed", "autopilot"), ("C0", "C1"), h, nz, strict=True
     ):

@@ -89,12 +89,12 @@ sim = Simulation(
 
 
 def figure():
-    import matplotlib.pyplot as plt
+    from pathsim_jsbsim_blocks.plots import subplots
 
     _, (h,) = height.read()
     _, speeds = airspeeds.read()
     _, (m,) = machs.read()
-    drawing, (left, right) = plt.subplots(1, 2, sharey=True, layout="constrained", figsize=(9, 5))
+    drawing, (left, right) = subplots(1, 2, sharey=True, layout="constrained", figsize=(9, 5))
     for label, speed in zip(("TAS", "CAS", "EAS"), speeds, strict=True):
         left.plot(speed, h, label=label, linewidth=1.5)
     right.plot(m, h, linewidth=1.5)

@@ -49,12 +49,12 @@ sim = Simulation(
 
 
 def figure(top=80.0):
-    import matplotlib.pyplot as plt
+    from pathsim_jsbsim_blocks.plots import subplots
 
     _, (h,) = height.read()
     _, (pressure, density, temperature, speed_of_sound, _) = air.read()
     shown = h <= 1000 * top
-    drawing, axes = plt.subplots(2, 2, sharey=True, layout="constrained", figsize=(9, 7))
+    drawing, axes = subplots(2, 2, sharey=True, layout="constrained", figsize=(9, 7))
     panels = [
         ("pressure [hPa]", pressure / 100),
         ("density [kg/m³]", density),

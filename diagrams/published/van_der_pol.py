@@ -37,10 +37,10 @@ sim = Simulation(
 
 
 def figure():
-    import matplotlib.pyplot as plt
+    from pathsim_jsbsim_blocks.plots import subplots
 
     time, (x, v) = scope.read()
-    drawing, (left, right) = plt.subplots(1, 2, layout="constrained", figsize=(10, 4.2))
+    drawing, (left, right) = subplots(1, 2, layout="constrained", figsize=(10, 4.2))
     left.plot(time, x, label="position x [-]")
     left.plot(time, v, "--", label="velocity v [1/s]")
     right.plot(x, v)

@@ -37,6 +37,7 @@ __all__ = [
     "settling",
     "show",
     "signal",
+    "subplots",
     "time_histories",
 ]
 

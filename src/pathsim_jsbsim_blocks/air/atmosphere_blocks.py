@@ -94,6 +94,7 @@ class AirDataBlock(NamedFunction):
         return altitude
 
 
+@dataclass(eq=False, repr=False)
 class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
     r"""International Standard Atmosphere (ICAO Doc 7488/3 = ISO 2533) at an altitude.
 
