@@ -157,6 +157,7 @@ def test_a_model_of_the_package_runs_as_its_script(tmp_path, capsys):
     assert sorted(p.name for p in tmp_path.glob("*.png")) == ["pitch_hold.png"]
 
 
+@pytest.mark.long
 def test_the_spectrum_of_a_model_is_saved_where_there_is_no_display(tmp_path, capsys):
     (tmp_path / "tone.py").write_text(
         "from pathsim import Connection, Simulation\nfrom pathsim.blocks import *\n"

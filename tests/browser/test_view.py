@@ -89,9 +89,8 @@ SOME = random.Random(52).sample(DIAGRAMS, bounded(10, len(DIAGRAMS)))
 WIRES = "() => document.querySelectorAll('.svelte-flow__edge-path').length"
 
 
-@pytest.mark.parametrize(
-    "names", [["aileron_turn"], pytest.param(SOME, marks=pytest.mark.long)], ids=len
-)
+@pytest.mark.long
+@pytest.mark.parametrize("names", [["aileron_turn"], SOME], ids=len)
 def test_names_are_whole_and_no_wire_crosses_them(names, editor, models):
     crossed = {}
     for name in names:

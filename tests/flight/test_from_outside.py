@@ -149,6 +149,7 @@ def test_a_divisor_that_was_created_as_0_is_said_where_nothing_is_finite(tmp_pat
     assert error.value.reason == "no convergence"
 
 
+@pytest.mark.long
 def test_sweeps_and_commands_pass_create_on(lacking_many, capsys):
     create = dict.fromkeys(MANY, 1.0)
     grid = {**LEVEL, MANY[4]: [2.0, 3.0]}

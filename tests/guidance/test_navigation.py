@@ -128,7 +128,8 @@ ROUTES = {
 }
 
 
-@pytest.mark.parametrize("name", first(ROUTES))
+@pytest.mark.long
+@pytest.mark.parametrize("name", ROUTES)
 def test_waypoints_in_wind(name):
     size, seconds, wind, overshoot, time = ROUTES[name]
     lat, lon = 47.0, 11.0

@@ -78,6 +78,7 @@ def test_a_model_that_does_not_load_has_a_report(tmp_path, capsys):
     assert "c172x" in refused.value.nearest
 
 
+@pytest.mark.long
 def test_empty_tanks_are_a_fault_and_the_rest_is_of_half_full_ones(tmp_path):
     report = aircraft_report("c172x", without_contents(tmp_path))
     assert report.tanks == (0.0, 0.0)
@@ -87,6 +88,7 @@ def test_empty_tanks_are_a_fault_and_the_rest_is_of_half_full_ones(tmp_path):
     assert report.trim.steady
 
 
+@pytest.mark.long
 def test_properties_from_outside_are_named_and_the_rest_is_with_zeros(tmp_path):
     force = (
         '<axis name="SIDE"><function name="aero/x"><property>outside/a</property></function></axis>'
@@ -123,6 +125,7 @@ def test_sockets_and_files_that_are_closed_to_it(tmp_path):
     assert any("log.csv" in text for text in report.sealed)
 
 
+@pytest.mark.long
 def test_commands_without_effect_are_faults(tmp_path):
     report = aircraft_report("c172x", lever_writes_throttle(tmp_path / "a"))
     throttle = report.effects[0]
