@@ -13,10 +13,10 @@ sampled block must act once at each instant ``t_k = start + k T``, and at no oth
   feed-through at the instants. Each evaluation at t_k repeats this from the state before the
   instant, so that the order of blocks does not matter.
 
-A solver's stage at t_k belongs to the time before. So a clock is open from its tick, an event, to
+A solver's stage at t_k belongs to the period before. So a clock is open from its tick, an event, to
 ``sample``. A step without stages has one evaluation, at its end, so clocks are open from its start:
 this saves an evaluation per block, and a ZeroCrossing detects the change. This is not done with an
-adaptive solver, whose search for a crossing would not end at a jump.
+adaptive solver, whose search for a crossing would not converge at a jump.
 
 The results of a step at t_k (`SampleClock.ahead`) are stored beside those before t_k (``now``)
 until PathSim starts a step or a run at t_k or later. If one starts earlier, the step to t_k was not
@@ -104,7 +104,7 @@ class SampleClock(Schedule):
     ahead : tuple or None
         likewise for the next instant, if its tick was resolved but ``sample`` has not run
     due, end, slack : float
-        evaluations from ``due`` to ``end`` are at the next instant, s; tolerance for the rounding
+        evaluations from ``due`` to ``end`` count as the next instant, s; tolerance for the rounding
         of the diagram's time, a sum of steps, s
     reached : float
         time at which the block was last sampled, or from which a step starts, s; -inf if a run
@@ -380,7 +380,7 @@ class SampledPlant(SampledBlock):
     def advance(self, index: int, u: list[float]) -> list[float]:
         """One period with the inputs ``u``: the outputs at the instant ``index``.
 
-        It is called again for the same period if an exception or Ctrl-C has ended it.
+        It is called again for the same period if an exception or Ctrl-C interrupted it.
         """
         raise NotImplementedError
 
@@ -503,7 +503,7 @@ class SampledLaw(Parametric, SampledBlock):
         references = {n: i for n, i in inputs.items() if n in vars(self._checked)}
         commands = {n: outputs[n] for n in self.commands or [*outputs][:1]}
         with warnings.catch_warnings():
-            # the copy would repeat warnings that the block has issued already
+            # the copy would repeat warnings that the block has already issued
             warnings.simplefilter("ignore")
             idle = at_limit(copy(self).law, u, state, model, references, commands)
         if idle:

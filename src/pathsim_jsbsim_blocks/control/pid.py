@@ -53,10 +53,10 @@ class PID:
     T : float
         sample period in s
     Kp, Ki, Kd, Kr, b, Tf, Tt, Te, low, high : float
-        as in `DiscretePID`, by default without gains and limits. The default of Tt is Kp / Ki, with
-        which for b = 1 the output leaves a limit when the error changes sign, but at least 2 T
+        as in `DiscretePID`, but by default without gains and limits. Tt defaults to Kp / Ki, at
+        least 2 T: for b = 1 the output then leaves a limit when the error changes sign
     carry : bool
-        carry the proportional part over in the integral, so that changes of gains cause no jump
+        store the proportional part with the integral, so that gain changes cause no jump
 
     References
     ----------

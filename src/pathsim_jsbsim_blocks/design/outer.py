@@ -36,7 +36,7 @@ from .turbulence import Rough, at_a_stop, moved
 # periods of the loop in one step of a slow response, to save time
 _COARSE = 6
 
-# fractions of the gain at which the rudder changes the yaw rate by the yaw rate itself
+# fractions of the gain at which rudder from yaw rate has a loop gain of 1 at the Dutch roll
 _YAW_SHARES = np.geomspace(0.03, 1.5, 24)
 
 
@@ -105,7 +105,7 @@ _SLIP_DAMPERS = np.linspace(0.0, 3.0, 7)
 _SLIP_GAINS = np.array([0.0, 0.2, 0.4, *np.linspace(0.8, 5.6, 7)])
 _SLIP_RATES = np.array([0.1, 0.15, 0.3, 0.6])
 
-# bandwidth of a turn's entry, rad/s
+# bandwidth of the turn entry, rad/s
 _ENTRY = 0.6
 
 
@@ -166,7 +166,7 @@ def design_rudder(
     return chosen, LoopReport("yaw", **margins_of(_of_rudder(plant, chosen), 0), use=use)
 
 
-# duration of a turn's entry, s, and fractions of the best coordination to try for the margins
+# duration of the turn entry, s, and fractions of the best coordination to try for the margins
 _ROLL_IN, _COORDINATED = 12.0, np.linspace(1.0, 0.3, 5)
 
 # cost of full rudder travel, as deg of sideslip
@@ -254,7 +254,7 @@ def design_heading(
     """Bank per heading error; ``plant`` has the roll loop closed with the input ``phi_cmd``.
 
     The bank settles in ``settling`` s and moves at ``ramp`` deg/s. ``straight`` is the bank of
-    straight flight in deg, which a propeller makes different from 0.
+    straight flight in deg, which is not 0 with a propeller.
     """
     turn = GRAVITY / vt  # psi-dot per phi, 1/s
     (Kp,) = neighbours.joined("heading", Kp=min(0.25, 0.7 / settling) / turn * _HEADING_SHARES)
@@ -489,7 +489,7 @@ def _least(
         i = int(np.argmin(score))
         if not best or score[i] < best[0]:
             best = (float(score[i]), int(candidates[i]), *(float(x[i]) for x in results))
-        # the others cannot be better than their floor
+        # drop those whose floor is above the best score
         order = order[floor[order] < best[0]]
     return best[1:]
 

@@ -63,7 +63,7 @@ class Airframe(PropertyTree):
         JSBSim root directory; default is the one shipped with jsbsim
     empty_cg_x : float, optional
         x of the empty-weight centre of gravity in inches aft, structural axes. The model is then
-        loaded from a private copy, which is removed again; the installed one is not touched
+        loaded from a private copy, which is then removed; the installed model is unchanged
     create, allow_network, allow_files, integrators, planet, gravity, flightgear
         as of `Aircraft`
 
@@ -72,7 +72,7 @@ class Airframe(PropertyTree):
     fdm : jsbsim.FGFDMExec
         the executive: one object, one model. `renew` replaces it
     created : dict
-        properties made for the model, with the values at its start
+        properties created for the model, with their initial values
     stopped : frozenset of int
         engines that do not run, set by a trim
 
@@ -132,7 +132,7 @@ class Airframe(PropertyTree):
         written, self._written = self._written, {}
         names = self._names
         self._open()
-        self._names = names  # those of the same model
+        self._names = names  # still valid: the model is the same
         self.write(written)
 
     def twin(self) -> Airframe:
@@ -169,14 +169,14 @@ class Airframe(PropertyTree):
     def _load_with_all(self) -> None:
         """Load the model with all properties to which it refers; AircraftError names those missing.
 
-        Loading stops at the first one that it needs immediately, so repeat it with that one as 0.
+        Loading stops at the first one needed at once; it is then repeated with that one as 0.
         """
         lacking: dict[str, float] = {}
         while True:
             failure = self._load_in_new_executive({**lacking, **self.created})
             missing = self._file.references_beyond(self._properties.hasNode)
             if missing:
-                # its destructor reads them, and would end the process
+                # its destructor reads them, and would crash the process
                 never_free(self.fdm)
             named = re.findall(r"[\w/\[\].-]+", failure)
             further = [name for name in missing if not failure or name in named]
@@ -360,7 +360,7 @@ class Airframe(PropertyTree):
         """Stop fuel consumption; with False restore the setting made by `write`."""
         name = "propulsion/fuel_freeze"
         if self.engines:
-            # it cannot be read
+            # write-only
             self.fdm[name] = 1.0 if frozen else self._written.get(name, 0.0)
 
     @contextlib.contextmanager
@@ -387,7 +387,7 @@ class Airframe(PropertyTree):
                 self.fdm[name] = value
 
     def _stop_engine(self, i: int) -> None:
-        """Stop an engine so that the wind does not start it again: no ignition, no fuel."""
+        """Stop an engine without ignition and fuel, so that windmilling cannot restart it."""
         self._command(i, {"magneto_cmd": 0.0, "cutoff_cmd": 1.0})
         self.fdm[f"propulsion/engine[{i}]/set-running"] = 0.0
 
@@ -409,7 +409,7 @@ class Airframe(PropertyTree):
     def governors_off(self) -> Iterator[None]:
         """Context with propeller governors off, for JSBSim's starting and settling of engines.
 
-        JSBSim does that in steps of 0.5 s, in which a governor would jump between the pitch stops
+        JSBSim does this in steps of 0.5 s, at which a governor would jump between the pitch stops
         until the engine stalls.
         """
         on = [name for name in self.of_engines("constant-speed-mode") if self.fdm[name]]
@@ -461,7 +461,7 @@ class Airframe(PropertyTree):
     def engines_stopped(self) -> Iterator[None]:
         """Context that removes the thrust of stopped jet engines outside of a flight.
 
-        Without a step in time JSBSim gives a turbine the thrust of its throttle, running or not.
+        Without a time step JSBSim gives a turbine the thrust of its throttle, running or not.
         """
         names = [f"propulsion/engine[{i}]/reverser-angle-rad" for i in self.stopped]
         before = {name: self.fdm[name] for name in names if self.has(name)}

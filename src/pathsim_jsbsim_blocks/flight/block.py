@@ -50,13 +50,13 @@ _LONGEST_STEP = 0.1
 # any NaN or inf in the state shows up here within one step
 _WATCHED = tuple(map(property_of, ("vt", "h_agl", "nz")))
 
-# s between looks for engines without fuel
+# s between checks for engines without fuel
 _FUEL_CHECK = 1.0
 
 # g; beyond any flyable load factor; ground springs of a crashed model give hundreds
 _CRASH = 50.0
 
-# ft above the terrain; JSBSim lets a centre of gravity sink below this
+# ft above the terrain; JSBSim does not stop a centre of gravity from sinking below this
 _UNDERGROUND = -1.0
 
 # parameters of the airframe
@@ -97,11 +97,11 @@ class FlightBlock(Parametric, SampledPlant):
 
     airframe: Airframe
     trim: TrimState
-    # what the last flight was to be, and its aircraft
+    # key of the last flight, and its aircraft
     _before: tuple[str, Airframe] | None = None
-    # the flight that was linearised, and its model
+    # key of the linearised flight, and its model
     _linear: tuple[str, LinearModel] | None = None
-    # that a parameter acts at the next reset
+    # whether the user was warned that a parameter acts at the next reset
     _warned_of_reset = False
 
     @classmethod
@@ -185,9 +185,9 @@ class FlightBlock(Parametric, SampledPlant):
         """Trim the present flight on another aircraft; this one is not affected.
 
         Altitude, airspeed, path angle through the air, heading, wind, place, gear, flaps, fuel,
-        payload and the engines that run are those of this moment, the rest is the block's
+        payload and running engines are those of this moment, all else is as in the block's
         condition; modes "ground", "none" and "pull-up" become "full". The state's commands minus
-        those of the block's ``trim`` are what the inputs of an `Aircraft` would have to be; its
+        those of the block's ``trim`` are the inputs that an `Aircraft` would need; the state's
         condition starts another block here.
 
         Parameters
@@ -221,9 +221,9 @@ class FlightBlock(Parametric, SampledPlant):
         ----------
         method : str
             "flown": identified from small opposite pulses on each input, 8 s each, so that the
-            control system, actuators and engines are in it; a doublet on each input, another 8 s,
-            shows how far the model holds. "algebraic": central differences of JSBSim's
-            accelerations, the rigid aircraft with its engines at their steady state, in some 20 ms;
+            control system, actuators and engines are included; a doublet on each input, another
+            8 s, shows how well the model holds. "algebraic": central differences of JSBSim's
+            accelerations, the rigid aircraft with its engines in steady state, in about 20 ms;
             with propeller governors, and for turboprops, in 0.2 to 0.4 s of frozen flight
         inputs, outputs : list of str, optional
             names of ports; default all that the aircraft has: one without engines has no throttle.
@@ -236,7 +236,7 @@ class FlightBlock(Parametric, SampledPlant):
         Warns
         -----
         RuntimeWarning
-            for each input with a response to a doublet, upwards first, that is not linear: its even
+            for each input whose response to a doublet, upwards first, is not linear: its even
             part is above 10 % of the odd part, or the model's error above 5 % in the command's
             primary responses (theta and q for the elevator, phi and p for the aileron, beta and r
             for the rudder, vt for the throttle) or above 15 % in the others
@@ -246,7 +246,7 @@ class FlightBlock(Parametric, SampledPlant):
         LinearisationError
             without a steady trim in flight (modes "none", "ground" and "pull-up"), for an input
             at the end of its range or without response, and if no linear model fits; flown, for
-            a ``T`` above 0.25 s, which does not show the short period; algebraic, for an engine
+            a ``T`` above 0.25 s, too coarse for the short period; algebraic, for an engine
             that does not settle
         ParameterError
             for an unknown method or port, naming the nearest
@@ -256,7 +256,7 @@ class FlightBlock(Parametric, SampledPlant):
     def response(self, input: str, increments: Sequence[float], output: str) -> np.ndarray:
         """An output over increments on an input, the other inputs as trimmed.
 
-        It is flown from the trim by another aircraft: this flight is not touched.
+        It is flown from the trim by a separate aircraft; the current flight is undisturbed.
 
         Parameters
         ----------
@@ -282,9 +282,9 @@ class FlightBlock(Parametric, SampledPlant):
     def to_statespace(self, t: float) -> Matrices:
         """A, B, C, D of the flown model about the trim, at any time of the flight.
 
-        The delay of sampling, latency and half a period of hold, is a first-order lag on each
-        input. The model is kept until a parameter changes. Inputs that it leaves out, the wind of
-        an `Aircraft`, have no effect in it.
+        The delay of sampling, latency and half a period of hold, becomes a first-order lag on each
+        input. The model is kept until a parameter changes. Inputs that it leaves out, such as the
+        wind of an `Aircraft`, have no effect in it.
 
         Raises
         ------
@@ -307,7 +307,7 @@ class FlightBlock(Parametric, SampledPlant):
         raise NotImplementedError
 
     def _load(self) -> list[float]:
-        """Load, initialise and trim an aircraft: its outputs at the start of its flight."""
+        """Load, initialise and trim an aircraft; return its outputs at the start of the flight."""
         self._substeps = self._checked.substeps
         dt = self._checked.T / self._substeps
         number("T / substeps", dt, low=SHORTEST_PERIOD, high=_LONGEST_STEP)
@@ -321,7 +321,7 @@ class FlightBlock(Parametric, SampledPlant):
             **{name: getattr(self, name) for name in _OF_AIRFRAME},
         )
         if before and before[0] == self._flying:
-            # what was checked then is not checked again
+            # the same flight again: skip the checks that it has passed
             like = Trimmer.of(before[1])
             self.trim, _ = Trimmer.of(self.airframe).trim(condition, self.setup, like=like)
         else:
@@ -384,7 +384,7 @@ class FlightBlock(Parametric, SampledPlant):
         return reference
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        # copy.copy and copy.deepcopy ask here too
+        # copy.copy and copy.deepcopy call this too
         name, aircraft = type(self).__name__, self.airframe.aircraft
         why = f"{name} {aircraft!r} cannot be copied or pickled: JSBSim's state stays in its "
         why += f"process. Build another {name} with the same parameters"
@@ -393,7 +393,7 @@ class FlightBlock(Parametric, SampledPlant):
     def reset(self) -> None:
         """Repeat the flight with a freshly loaded aircraft.
 
-        Parameters that were set act from here on. If the model can no longer be loaded or trimmed,
+        Changed parameters take effect. If the model can no longer be loaded or trimmed,
         because its files have changed, this raises and the aircraft continues its flight.
         """
         before = dict(self.__dict__)

@@ -34,7 +34,7 @@ _GUST = 0.2  # time constant of vertical gusts, s; the pitch angle follows no fa
 _RAMP = 15.0  # rate of the pitch reference, deg/s
 _PULL = 8.0  # rate of the commanded rate of climb, ft/s2
 _TRADE = 0.1  # rate at which a go-around regains its airspeed, 1/s
-_FASTER = 1.1  # fraction of that airspeed above which a go-around climbs faster
+_FASTER = 1.1  # factor on that airspeed above which a go-around climbs faster
 _KEEP = 1.0  # bank per heading error in a go-around, deg/deg
 _ACROSS = 45.0  # heading error from the course that begins a go-around, deg
 _TRACKING = 0.4  # natural frequency of the distance from the centre line in the flare, rad/s
@@ -51,7 +51,7 @@ _LOWER = 2.0  # rate at which the nose is lowered in the roll-out, deg/s
 _TURN = 0.3  # integral gain of the course over the ground in the roll-out, 1/s
 _STEER = 0.25  # gain of the distance from the centre line in the roll-out, 1/s
 _BRAKE = 0.25  # rate of the brakes, 1/s
-# ft/s; brakes are released below it, as they could tip an aircraft that the wind pushes back
+# ft/s; below it brakes are released: they could tip an aircraft that the wind pushes backwards
 _STOPS = 20.0
 
 
@@ -128,14 +128,14 @@ class FlareHold(GuidedHold):
     the brakes are released as the aircraft stops. The approach's rudder is ignored. A bounce is
     flared again.
 
-    A go-around, at any height and on the ground too, applies full throttle, holds the heading with
+    A go-around, at any height and also on the ground, applies full throttle, holds the heading with
     a bank of at most ``bank_max``, and climbs at ``climb``: less if that costs airspeed, more if
     the airspeed is 10 % higher than at its start. Below 100 ft the nose is never lower than at its
     start, unless the angle of attack is at its maximum. On the ground the nose is raised at the
     airspeed of the touchdown.
 
-    A warning is given once when the block is built with gains with which no landings were flown, or
-    with which the aircraft lands only in some flares, with the reason.
+    If no landings were flown with the gains, or the aircraft lands with them in only some flares, a
+    warning with the reason is given once when the block is built.
 
     A go-around begins automatically if, below the height ``decide``, the aircraft is more than
     ``across_max`` from the centre line or its heading more than 45 deg off ``course``, if the flare
@@ -159,7 +159,7 @@ class FlareHold(GuidedHold):
         maximum bank in the flare and in a go-around, deg
     align : float
         rudder per heading error in the flare and on the ground, 1/deg; it increases as the aircraft
-        slows down in the roll-out. With 0 it lands with the crab angle and does not steer
+        slows down in the roll-out. With 0 the aircraft lands crabbed and is not steered
     climb : float
         rate of climb of the go-around, ft/s
     decide : float
@@ -356,7 +356,7 @@ class FlareHold(GuidedHold):
             gust = state.gust + gain * (sink - state.gust)
         integral = state.integral
         if state.phase != GO_AROUND:
-            # the same lift requires an angle of attack inverse to the square of the airspeed
+            # at the same lift the angle of attack varies inversely with the square of the airspeed
             integral -= 2.0 * DEGREES / _LIFT_SLOPE * gained / v
         return state._replace(
             v=v,
@@ -466,7 +466,7 @@ class FlareHold(GuidedHold):
         speed = max(beam.along, SLOWEST)
         if rolls:
             target -= clip(DEGREES * _STEER * beam.ft / speed, -5.0, 5.0)
-            # nose wheel and rudder lose effect as the aircraft slows down
+            # nose wheel and rudder become less effective as the aircraft slows down
             align *= state.v_ref / state.v
         if rolls or now.height < _DECRAB * max(-now.hdot, c.sink):
             psi_cmd += clip(wrap(target - psi_cmd), -_YAW * T, _YAW * T)

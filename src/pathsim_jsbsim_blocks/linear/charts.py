@@ -61,7 +61,7 @@ def _checked(model: LinearModel) -> LinearModel:
 
 
 def _pole_axes(poles: np.ndarray, title: str) -> tuple[Figure, list[tuple[Axes, float]]]:
-    """Panels of all poles and of the slow ones, with lines of damping, and their sizes in 1/s."""
+    """Panels of all poles and of the slow ones, with damping lines, and their sizes in 1/s."""
     figure, axes = subplots(1, 2, figsize=(11, 5), layout="constrained", title=title)
     sizes = np.abs(poles)
     fast = max(float(sizes.max(initial=0.0)), 1e-3)
@@ -81,7 +81,7 @@ def _pole_axes(poles: np.ndarray, title: str) -> tuple[Figure, list[tuple[Axes, 
 
 
 def _name_modes(ax: Axes, modes: Sequence[Mode], size: float) -> None:
-    """The names of the modes in a panel of this size."""
+    """Label the modes in a panel of this size."""
     for mode in modes:
         if 0.1 * size < abs(mode.pole) <= size:
             place = mode.pole.real, mode.pole.imag
@@ -163,7 +163,7 @@ def root_locus(
     Raises
     ------
     ParameterError
-        without models, for an object that is not a LinearModel, or for another number of values
+        without models, for an object that is not a LinearModel, or if the number of values differs
     """
     swept = np.asarray(finite(values=values)[0])
     if not len(models) or swept.shape != (len(models),):
@@ -243,7 +243,7 @@ def _one_path(model: LinearModel, output: str | None, input: str | None) -> Line
 
 
 def _mark_margins(loop: Margins, gain: Axes, phase: Axes) -> np.ndarray:
-    """Mark a loop's margins; its phase in deg, so that the phase margin is above -180."""
+    """Mark a loop's margins; return its phase in deg, shifted to put the margin above -180."""
     angle = np.degrees(np.unwrap(np.angle(loop.response)))
     if math.isfinite(loop.phase_margin):
         at = float(np.interp(loop.crossover, loop.omega, angle))

@@ -23,7 +23,7 @@ _INNER = {"theta_cmd": ("theta", "q"), "phi_cmd": ("phi", "p")}
 
 _SETTLED = 5.0  # s at the trim, for a hold's references to settle
 
-_SLOWEST, _COUNT = 1e-3, 2000  # minimum in rad/s and number of the frequencies of a loop
+_SLOWEST, _COUNT = 1e-3, 2000  # minimum frequency of a loop in rad/s, and number
 
 _GROWTH = 0.02  # 1/s, modes that grow more slowly, such as a spiral, count as stable
 
@@ -119,7 +119,7 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
         the aircraft, from which a flown model is identified (0.5 s), or its model; without a law a
         loop L with negative feedback, such as a ``FrequencyResponseData`` or a transfer function
     law : hold, SampledLaw or python-control system
-        as connected, u = law y, so negative feedback includes its minus sign. A block is engaged
+        signed as connected, u = law y: negative feedback includes the minus. A block is engaged
         at the trim, and each port named like an output is connected (in a diagram, only ports with
         a connection). A python-control system has names of the model's outputs and input as
         labels, and the model's sample period if it is discrete
@@ -327,7 +327,7 @@ def _of_response(loop: Any) -> Margins:
         growth = _sampled_growth(poles, loop.dt) if loop.isdtime(strict=True) else poles.real
         stable = bool((growth <= _GROWTH).all())
         low, high = control.frequency_response(loop).omega[[0, -1]]
-        # around the poles and zeros; a crossover may be far from them
+        # this range covers the poles and zeros, but a crossover may be far from them
         high *= 1.0 if loop.isdtime(strict=True) else 1e3
         loop = control.frequency_response(loop, np.geomspace(low / 1e3, high, 2 * _COUNT))
     if not isinstance(loop, control.FrequencyResponseData) or not loop.issiso():

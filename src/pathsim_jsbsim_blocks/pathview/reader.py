@@ -244,7 +244,7 @@ class _Reader:
     def _setting(self, value: Any, node: ast.expr | None) -> str:
         if value is None:
             return ""
-        integral = isinstance(value, float) and value.is_integer()  # `fly` makes 60.0 of 60
+        integral = isinstance(value, float) and value.is_integer()  # `fly` turns 60 into 60.0
         for live in (value, int(value)) if integral else (value,):
             if node is not None and (written := self.code.kept(node, live)):
                 return written
@@ -253,7 +253,7 @@ class _Reader:
     # names --------------------------------------------------------------------------------------
 
     def _name_parts(self) -> dict[str, str]:
-        """Name every part; return their variables by the stand-ins in the code."""
+        """Name every part; return their variables, keyed by their stand-ins in the code."""
         variables = {f"__part_{id(self.script.simulation)}": "sim"}
         code = self.code.names | self.code.inner | {*dir(builtins)}
 
@@ -270,7 +270,7 @@ class _Reader:
                 part.target.name, part.variable = "Interface", f"{prefix}interface"
             else:
                 wish = self._wish(part, prefix)
-                if part.kind is Subsystem:  # PathView does not prefix one in another
+                if part.kind is Subsystem:  # PathView does not prefix nested ones
                     prefix = ""
                 wish += " block" if is_of_code(wish) else ""
                 part.target.name = unique(wish, taken, " ")
@@ -325,7 +325,7 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
     n = wired
     if kind not in (Interface, Subsystem):
         n = max(len(register if labels is None else labels), wired)
-    # PathView shows eight characters: the last part of a path tells most
+    # PathView shows eight characters: the last part of a path is the most telling
     names = {
         i: name.rpartition("/")[2] or name
         for ports in (port_names(register), labels or {})

@@ -43,13 +43,13 @@ def run_batch(
 ) -> pd.DataFrame:
     """Build, run and measure a diagram for every case.
 
-    Each case is computed on its own, from its own seed, so that the table does not depend on the
+    Each case is computed independently, from its own seed, so that the table does not depend on the
     number of workers.
 
     Parameters
     ----------
     build : callable, str or Path
-        a diagram of the catalogue by its name, or the path of a script: each case names its blocks
+        the name of a diagram in the catalogue, or the path of a script: each case names its blocks
         and constants, ``{"hold.theta_ref": [2, 3, 4]}``, as for ``load_diagram``. The script is
         imported, its ``sim`` flown and ``measure`` called. Every block with random numbers, such
         as turbulence, sensors and PathSim's noise sources, gets its own seed from that of the case;
@@ -68,7 +68,7 @@ def run_batch(
         measurements: ``lambda m: {"pitch": m.pitch.read()[1][0, -1]}``. It is sent to other
         processes too
     duration : float, optional
-        for a script: simulated time to fly for, s; default is its ``DURATION``
+        for a script: simulated time in s; default is its ``DURATION``
     seed : int
         seed of the batch; the seed of each case is drawn from it and the case's position
     jobs : int

@@ -123,7 +123,7 @@ def of_files(ending: str, folders: Iterable[Path]) -> dict[str, str]:
                 if count == _MOST_FILES:
                     why = f"{folder} has more than {count:,} {ending} files to compare"
                     refuse("resume", str(folder), f"{why}: move the study to a folder of its own")
-                name = file.relative_to(folder.parent).as_posix()  # two folders may have it
+                name = file.relative_to(folder.parent).as_posix()  # two folders may share it
                 sums[name] = sums.get(name, "") + _checksum(file.read_bytes())
     except OSError as error:  # also for a module in a zip file
         raise FileError("read", error.filename, error) from None
@@ -132,7 +132,7 @@ def of_files(ending: str, folders: Iterable[Path]) -> dict[str, str]:
 
 def _files(ending: str, folder: Path, above: tuple[Path, ...] = ()) -> Iterator[Path]:
     """Files below a folder, in order, without hidden folders and virtual environments."""
-    above = (*above, folder.resolve())  # a link to one of these would never end
+    above = (*above, folder.resolve())  # following a link to one would never end
     for path in sorted(folder.iterdir()):
         if path.name.endswith(ending) and path.is_file():
             yield path

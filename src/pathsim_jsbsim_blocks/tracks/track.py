@@ -75,8 +75,8 @@ class Track:
     about : dict, optional
         text for the head of a report, such as the trimmed condition
     every_step : bool
-        whether the samples are all steps of a simulation, not those of a sampling period: a
-        ``.kml`` file then has 5 points per second, and fewer if it gets large
+        whether there is a sample for every simulation step, not for every sampling period: a
+        ``.kml`` file then has 5 points per second, or fewer if it gets large
 
     Raises
     ------
@@ -145,7 +145,7 @@ class Track:
         if n <= most:
             return self
         span = self.time[-1] - self.time[0]
-        # tolerance: accumulated rounding may put a sample just before the start of its period
+        # tolerance: rounding may put a sample just before the start of its period
         periods = np.floor((self.time - self.time[0]) / span * most + 1e-3)
         indices = np.union1d(np.unique(periods, return_index=True)[1], [n - 1])
         return dataclasses.replace(

@@ -29,8 +29,8 @@ def design_gust_velocity(gradient: float, altitude: float, alleviation: float = 
         U_\\mathrm{ds} = U_\\mathrm{ref} F_g \\left(\\frac{H}{350 \\, \\mathrm{ft}}\\right)^{1/6}
         \\sqrt{\\rho_0 / \\rho}
 
-    with U_ref = 56 ft/s EAS at sea level, 44 at 15,000 ft and 20.86 at 60,000 ft, linear between.
-    At the design diving speed the gust has half this velocity.
+    with U_ref = 56 ft/s EAS at sea level, 44 at 15,000 ft and 20.86 at 60,000 ft, linear in
+    between. At the design dive speed the gust has half this velocity.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def design_gust_velocity(gradient: float, altitude: float, alleviation: float = 
     Raises
     ------
     ParameterError
-        for values out of these ranges
+        for values outside these ranges
 
     References
     ----------
@@ -112,8 +112,8 @@ class OneMinusCosineGust(_EdgeSource):
     Raises
     ------
     ParameterError
-        for a length or an airspeed that is not positive, a polarity other than 1 and -1, and
-        without an amplitude a gradient outside 30 to 350 ft (9 to 107 m) or an altitude outside
+        for a length or an airspeed that is not positive, a polarity other than 1 and -1, and,
+        without an amplitude, a gradient outside 30 to 350 ft (9 to 107 m) or an altitude outside
         0 to 60,000 ft; at the start of a run, without ``airspeed`` and a connection to ``vt``
 
     References
@@ -180,7 +180,7 @@ class OneMinusCosineGust(_EdgeSource):
             refuse("airspeed", None, why)
         y = 0.0
         if self.passed == 1:
-            # stay within the gust if a parameter is edited in the middle of it
+            # stay within the gust if a parameter is edited during it
             s = min(max(self._speed() * (t - self.start), 0.0), 2 * self.length)
             y = self._peak / 2 * (1 - math.cos(math.pi * s / self.length))
         self.outputs[0] = y

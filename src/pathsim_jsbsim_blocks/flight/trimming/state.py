@@ -111,8 +111,8 @@ class TrimState:
     p, q, r : float
         body rates in deg/s
     nz, ny : float
-        load factors in g: nz is +1 in level flight; ny is the side load, to the right positive,
-        which a turn without sideslip has
+        load factors in g: nz is +1 in level flight; ny is the side load, positive to the right,
+        and not 0 in a turn without sideslip
     gear, flaps : float
         positions, 0 (up) to 1 (down)
     free : tuple[str, ...]

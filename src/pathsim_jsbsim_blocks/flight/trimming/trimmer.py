@@ -23,7 +23,7 @@ from .initial import engines_off, initialise, is_initial, properties
 from .search import POLISHED, Reached, descend
 from .state import STATE, TrimState, not_finite, read_state
 
-# first guesses, tried until one leads to a trim: alpha in deg, throttle
+# initial guesses, tried until one leads to a trim: alpha in deg, throttle
 _GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
 
 # maximum relative difference of the residuals of two ends that count as the same
@@ -76,7 +76,7 @@ class Trimmer:
     """
 
     def __init__(self, airframe: Airframe):
-        # the table of trimmers must keep no airframe alive
+        # the table of trimmers must not keep an airframe alive
         self.airframe: Airframe = weakref.proxy(airframe)
         # whether a search has run on the executive, and has left it unfit as a starting point
         self._used = self._spent = False
@@ -112,7 +112,7 @@ class Trimmer:
         if self._spent or (self._used and (by_jsbsim or not warm)):
             self._renew()
         seed, self._seed = self._seed if warm else None, None
-        # unusable until Newton's search succeeds
+        # unusable until the Newton search succeeds
         used, self._used, self._spent = self._used, True, True
         try:
             self._initialise(condition, setup)
@@ -122,7 +122,7 @@ class Trimmer:
                 if like is not None:
                     ways, fly = [like.in_time], 0.0
                 elif self.airframe.has_kind("turboprop"):
-                    # turboprops have power only in steps of time
+                    # turboprops have power only if time advances
                     ways = [True]
                 return self._by_newton(condition, setup, seed, used, ways, fly)
         finally:
@@ -282,7 +282,7 @@ class Trimmer:
             reached = descend(flight, flight.guess(alpha, throttle), slopes, ends=ends)
             yield reached
             if before and _at_one_limit(flight, before, reached):
-                # two searches from distant guesses end at one limit: the others would too
+                # two searches from distant guesses end at the same limit: so would the others
                 break
             ends.append(reached.x)
             before, slopes = reached, reached.slopes
@@ -309,7 +309,7 @@ class Trimmer:
             self._effort.steps = 0
         # the last state written need not be the best
         r, residuals = flight.arrive(x)
-        # the flight begins here: propellers have settled in steps of time
+        # the flight begins here: settling the propellers has advanced the clock
         airframe.fdm.set_sim_time(0.0)
         if airframe.fdm["forces/fbz-gear-lbs"] != 0.0:
             why = "a wheel or another contact point touches the ground"
@@ -377,7 +377,7 @@ class Trimmer:
             other = _at_end(flight, x, r)
             i = flight.names.index("throttle")
             stuck = x[i] in (flight.low[i], flight.high[i]) or abs(r[0]) == abs(r).max()
-            # more of the range would not help
+            # even the whole range would not be enough
             if stuck and flight.settled(other)[0] * r[0] > 0.0:
                 name, x = "throttle", other
         end = Reached(x, r, None)
