@@ -151,7 +151,7 @@ def test_aileron_turn_is_no_ten_degree_turn():
 def test_dutch_roll():
     module = flown("dutch_roll")
     system = module.sim.to_statespace(
-        inputs=[module.rudder_less[0]], outputs=[module.without["beta"]]
+        inputs=[module.gain_0["pulse"]], outputs=[module.gain_0["beta"]]
     )
     poles = np.linalg.eigvals(system.A)
     _, slips = module.slip.read()
