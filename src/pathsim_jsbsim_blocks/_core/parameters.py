@@ -51,6 +51,17 @@ def _keywords(cls: type) -> list[str]:
     return names
 
 
+class _Signature:
+    """The signature of a class's constructor, for `inspect`.
+
+    Python 3.11.2 shows that of an inherited ``__new__`` before that of an inherited ``__init__``.
+    """
+
+    def __get__(self, block: Any, cls: type) -> inspect.Signature:
+        bare = inspect.signature(cls.__init__)  # type: ignore[misc]
+        return bare.replace(parameters=list(bare.parameters.values())[1:])
+
+
 @dataclasses.dataclass(eq=False, repr=False)
 class Parametric(Block):
     """Base of all blocks of this package: parameters are fields, ports have names.
@@ -63,6 +74,7 @@ class Parametric(Block):
     # no annotations: these are class variables, not fields
     _built = False
     _checked = SimpleNamespace()
+    __signature__ = _Signature()
 
     def __new__(cls, *arguments: Any, **keywords: Any) -> Any:
         names = _keywords(cls)  # type: ignore[arg-type]  # mypy: no hash without eq

@@ -7,7 +7,6 @@ pathsim-flight also has are drop-in replacements for its blocks.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from inspect import cleandoc
 from textwrap import indent
 from typing import Any, ClassVar
@@ -109,61 +108,49 @@ class _Conversion(AirDataBlock):
     function = _eval  # type: ignore[assignment]
 
 
-@dataclass(eq=False, repr=False)
 class EAStoTAS(_Conversion, flight.EAStoTAS):
     """True airspeed (TAS) at an equivalent airspeed (EAS) and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class EAStoMach(_Conversion):
     """Mach number at an equivalent airspeed (EAS) and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class TAStoEAS(_Conversion):
     """Equivalent airspeed (EAS) at a true airspeed (TAS) and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class TAStoMach(_Conversion):
     """Mach number at a true airspeed (TAS) and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class MachtoEAS(_Conversion):
     """Equivalent airspeed (EAS) at a Mach number and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class MachtoTAS(_Conversion):
     """True airspeed (TAS) at a Mach number and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class CAStoEAS(_Conversion, flight.CAStoEAS):
     """Equivalent airspeed (EAS) at a calibrated airspeed (CAS) and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class CAStoTAS(_Conversion, flight.CAStoTAS):
     """True airspeed (TAS) at a calibrated airspeed (CAS) and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class CAStoMach(_Conversion, flight.CAStoMach):
     """Mach number at a calibrated airspeed (CAS) and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class EAStoCAS(_Conversion):
     """Calibrated airspeed (CAS) at an equivalent airspeed (EAS) and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class TAStoCAS(_Conversion, flight.TAStoCAS):
     """Calibrated airspeed (CAS) at a true airspeed (TAS) and an altitude."""
 
 
-@dataclass(eq=False, repr=False)
 class MachtoCAS(_Conversion, flight.MachtoCAS):
     """Calibrated airspeed (CAS) at a Mach number and an altitude."""

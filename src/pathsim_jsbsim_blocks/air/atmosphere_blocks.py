@@ -94,7 +94,6 @@ class AirDataBlock(NamedFunction):
         return altitude
 
 
-@dataclass(eq=False, repr=False)
 class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
     r"""International Standard Atmosphere (ICAO Doc 7488/3 = ISO 2533) at an altitude.
 

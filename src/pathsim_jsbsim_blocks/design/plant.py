@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.linalg import expm
 
-from ..linear.model import LinearModel
+from ..linear.model import LinearModel, sampled
 
 OMEGA = np.geomspace(0.02, 300.0, 220)  # frequencies of the margins, rad/s
 
@@ -75,17 +74,15 @@ class Plant:
         Angles, rates and speeds have no direct feedthrough, so the identified one is omitted.
         """
         n, m = model.B.shape
-        both = np.zeros((n + m, n + m))
-        both[:n, :n], both[:n, n:] = model.A, model.B
-        both = expm(both * model.dt)
+        transition, effects = sampled(model)
         late = model.latency.astype(int)
         size = n + int(late.sum())
         A, B = np.zeros((size, size)), np.zeros((size, m))
         C = np.hstack([model.C, np.zeros((len(model.C), size - n))])
-        A[:n, :n] = both[:n, :n]
+        A[:n, :n] = transition
         end = n
         for j, k in enumerate(late):
-            effect = both[:n, n + j]
+            effect = effects[:, j]
             if not k:
                 B[:n, j] = effect
                 continue

@@ -242,17 +242,12 @@ class LinearModel:
         ParameterError
             if omega is not a list of numbers, or has a pole (0 for an integrator)
         """
-        n, m = self.B.shape
-        augmented = np.zeros((n + m, n + m))
-        augmented[:n] = np.hstack([self.A, self.B])
-        step = expm(augmented * self.dt)
         z = np.exp(1j * self.dt * np.asarray(omega, dtype=complex))
         try:
-            z = z[:, None, None]
-            states = np.linalg.solve(z * np.eye(n) - step[:n, :n], step[:n, n:])
+            response = transfer(*sampled(self), self.C, self.D, z)
         except (IndexError, np.linalg.LinAlgError):
             must_be("omega", omega, "a list of frequencies, none of them a pole")
-        return (self.C @ states + self.D) * z**-self.latency
+        return response * z[:, None, None] ** -self.latency
 
     def with_lags(self, tau: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """A, B, C, D with a first-order lag of ``tau`` s on each input, in place of a delay.
@@ -301,7 +296,7 @@ class LinearModel:
         ParameterError
             if the order is not a whole number of at least 0
         """
-        control = required("control", "analysis", name="python-control")
+        control = python_control()
         order = integer("pade", pade, low=0)
         A, B, C, D = self.A, self.B, self.C, self.D
         states = list(self.states)
@@ -378,6 +373,27 @@ def _to_lists(array: np.ndarray) -> Any:
     listed = array.astype(object)
     listed[np.isnan(array)] = None
     return listed.tolist()
+
+
+def sampled(model: LinearModel) -> tuple[np.ndarray, np.ndarray]:
+    """The states' transition over one period, and the effect of the inputs held over it."""
+    n, m = model.B.shape
+    augmented = np.zeros((n + m, n + m))
+    augmented[:n] = np.hstack([model.A, model.B])
+    step = expm(augmented * model.dt)
+    return step[:n, :n], step[:n, n:]
+
+
+def transfer(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, z: np.ndarray
+) -> np.ndarray:
+    """C (z I - A)^-1 B + D of difference equations at z, shape (k,)."""
+    return C @ np.linalg.solve(z[:, None, None] * np.eye(len(A)) - A, B) + D
+
+
+def python_control() -> Any:
+    """The module ``control``; a `MissingExtraError` if it is not installed."""
+    return required("control", "analysis", name="python-control")
 
 
 def find(parameter: str, names: Sequence[str], selection: Sequence[str] | None) -> list[int]:

@@ -12,11 +12,10 @@ import numpy as np
 
 from .._core.checks import refuse
 from .._core.continuous import sampled_equivalent
-from .._core.extras import required
 from .._core.pathsim_internals import port_names, values
 from .._core.sampling import SampledLaw
 from ..flight.block import FlightBlock
-from .model import LinearModel, find
+from .model import LinearModel, find, python_control, transfer
 
 # a cascaded hold's command to its inner loop, and the measurements of the inner loop
 _INNER = {"theta_cmd": ("theta", "q"), "phi_cmd": ("phi", "p")}
@@ -254,7 +253,7 @@ class _Connected(NamedTuple):
 def _connected(parameter: str, law: Any, model: LinearModel) -> _Connected:
     if isinstance(law, SampledLaw):
         return _block(parameter, law, model)
-    control = required("control", "analysis", name="python-control")
+    control = python_control()
     if not isinstance(law, (control.StateSpace, control.TransferFunction)):
         why = f"{parameter} must be a hold, a sampled law or a python-control system, not"
         refuse(parameter, law, f"{why} {reprlib.repr(law)}")
@@ -303,8 +302,7 @@ def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
     B, C, D = B[:, columns], C[rows], D[np.ix_(rows, columns)]
 
     def response(omega: np.ndarray) -> np.ndarray:
-        z = np.exp(1j * omega * model.dt)[:, None, None]
-        return C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D
+        return transfer(A, B, C, D, np.exp(1j * omega * model.dt))
 
     references = [x for x in outputs if x not in commands]
     growth = _sampled_growth(np.linalg.eigvals(A), model.dt)
@@ -320,7 +318,7 @@ def _same_period(parameter: str, law: Any, T: float, model: LinearModel) -> None
 
 def _of_response(loop: Any) -> Margins:
     """Margins of a loop of python-control."""
-    control = required("control", "analysis", name="python-control")
+    control = python_control()
     stable = None
     if isinstance(loop, (control.StateSpace, control.TransferFunction)) and loop.issiso():
         poles = control.feedback(loop).poles()
@@ -338,7 +336,7 @@ def _of_response(loop: Any) -> Margins:
 
 
 def _margins(name: str, omega: np.ndarray, response: np.ndarray, stable: bool | None) -> Margins:
-    control = required("control", "analysis", name="python-control")
+    control = python_control()
     loop = control.FrequencyResponseData(response, omega, smooth=True)
     gains, phases, _, at_phase, at_gain, _ = control.stability_margins(loop, returnall=True)
     gains = 20 * np.log10(gains)
