@@ -79,7 +79,7 @@ def figure():
         speeds,
         angles,
         heights,
-        title="c172p: 55 KCAS asked for, with and without the port alpha",
+        title="c172p: 55 KCAS commanded, with and without the port alpha",
         references={"airspeed, alpha wired": lambda time: 90.0 - 35.0 * (time >= 10.0)},
     )
 
