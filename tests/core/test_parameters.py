@@ -63,19 +63,8 @@ def test_fields_are_the_signature():
     }
     with pytest.raises(TypeError, match="from 1 to 4 positional arguments but 5"):
         Gain(1.0, (1,), "b", 2.0)
-
-
-def test_a_block_without_fields_of_its_own_has_the_signature_of_its_base():
-    # Python 3.11.2 preferred an inherited __new__ to an inherited __init__
-    class Same(Gain):
-        pass
-
-    class SameHold(PitchHold):
-        pass
-
-    for same, base in ((Same, Gain), (SameHold, PitchHold)):
-        assert str(inspect.signature(same)) == str(inspect.signature(base))
-        assert "arguments" not in inspect.signature(same).parameters
+    # Python 3.11.2 prefers an inherited __new__ to an inherited __init__
+    assert str(inspect.signature(type("Same", (Gain,), {}))) == str(inspect.signature(Gain))
 
 
 def test_attributes_keep_what_was_given_and_the_checked_values_are_beside_them():

@@ -242,12 +242,14 @@ class LinearModel:
         ParameterError
             if omega is not a list of numbers, or has a pole (0 for an integrator)
         """
+        transition, effect = sampled(self)
         z = np.exp(1j * self.dt * np.asarray(omega, dtype=complex))
         try:
-            response = transfer(*sampled(self), self.C, self.D, z)
+            z = z[:, None, None]
+            states = np.linalg.solve(z * np.eye(len(transition)) - transition, effect)
         except (IndexError, np.linalg.LinAlgError):
             must_be("omega", omega, "a list of frequencies, none of them a pole")
-        return response * z[:, None, None] ** -self.latency
+        return (self.C @ states + self.D) * z**-self.latency
 
     def with_lags(self, tau: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """A, B, C, D with a first-order lag of ``tau`` s on each input, in place of a delay.
@@ -296,7 +298,7 @@ class LinearModel:
         ParameterError
             if the order is not a whole number of at least 0
         """
-        control = python_control()
+        control = required("control", "analysis", name="python-control")
         order = integer("pade", pade, low=0)
         A, B, C, D = self.A, self.B, self.C, self.D
         states = list(self.states)
@@ -378,22 +380,8 @@ def _to_lists(array: np.ndarray) -> Any:
 def sampled(model: LinearModel) -> tuple[np.ndarray, np.ndarray]:
     """The states' transition over one period, and the effect of the inputs held over it."""
     n, m = model.B.shape
-    augmented = np.zeros((n + m, n + m))
-    augmented[:n] = np.hstack([model.A, model.B])
-    step = expm(augmented * model.dt)
+    step = expm(np.block([[model.A, model.B], [np.zeros((m, n + m))]]) * model.dt)
     return step[:n, :n], step[:n, n:]
-
-
-def transfer(
-    A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, z: np.ndarray
-) -> np.ndarray:
-    """C (z I - A)^-1 B + D of difference equations at z, shape (k,)."""
-    return C @ np.linalg.solve(z[:, None, None] * np.eye(len(A)) - A, B) + D
-
-
-def python_control() -> Any:
-    """The module ``control``; a `MissingExtraError` if it is not installed."""
-    return required("control", "analysis", name="python-control")
 
 
 def find(parameter: str, names: Sequence[str], selection: Sequence[str] | None) -> list[int]:

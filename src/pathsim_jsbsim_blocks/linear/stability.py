@@ -12,16 +12,16 @@ import numpy as np
 
 from .._core.checks import refuse
 from .._core.continuous import sampled_equivalent
+from .._core.extras import required
 from .._core.pathsim_internals import port_names, values
 from .._core.sampling import SampledLaw
 from ..flight.block import FlightBlock
-from .model import LinearModel, find, python_control, transfer
+from .model import LinearModel, find
 
 # a cascaded hold's command to its inner loop, and the measurements of the inner loop
 _INNER = {"theta_cmd": ("theta", "q"), "phi_cmd": ("phi", "p")}
 
 _SETTLED = 5.0  # s at the trim, for a hold's references to settle
-
 _SLOWEST, _COUNT = 1e-3, 2000  # minimum frequency of a loop in rad/s, and number
 
 _GROWTH = 0.02  # 1/s, modes that grow more slowly, such as a spiral, count as stable
@@ -192,9 +192,8 @@ def _stable(model: LinearModel, outer: _Connected, inner: Sequence[_Connected]) 
     omega = np.r_[0.0, np.geomspace(_SLOWEST, math.pi / model.dt, _COUNT)] - 1j * _GROWTH
     L, others = _loop(model, outer, inner, omega)
     angle = np.unwrap(np.angle((1 + L) * others))
-    aircraft = np.linalg.eigvals(model.A).real
-    growth = np.concatenate([aircraft, outer.growth, *(each.growth for each in inner)])
-    return bool((growth > _GROWTH).sum() == round((angle[-1] - angle[0]) / math.pi))
+    growth = [np.linalg.eigvals(model.A).real, *(each.growth for each in (outer, *inner))]
+    return bool((np.concatenate(growth) > _GROWTH).sum() == round((angle[-1] - angle[0]) / math.pi))
 
 
 def _loop(
@@ -253,7 +252,7 @@ class _Connected(NamedTuple):
 def _connected(parameter: str, law: Any, model: LinearModel) -> _Connected:
     if isinstance(law, SampledLaw):
         return _block(parameter, law, model)
-    control = python_control()
+    control = required("control", "analysis", name="python-control")
     if not isinstance(law, (control.StateSpace, control.TransferFunction)):
         why = f"{parameter} must be a hold, a sampled law or a python-control system, not"
         refuse(parameter, law, f"{why} {reprlib.repr(law)}")
@@ -271,12 +270,14 @@ def _connected(parameter: str, law: Any, model: LinearModel) -> _Connected:
         return np.moveaxis(law(np.exp(at * model.dt) if sampled else at, squeeze=False), -1, 0)
 
     static = isinstance(law, control.StateSpace) and not law.nstates
-    growth = _sampled_growth(law.poles(), model.dt) if sampled else law.poles().real
+    growth = _growth(law.poles(), model.dt if sampled else None)
     return _Connected(law.name, measured, commands, (), (), response, growth, sampled or static)
 
 
-def _sampled_growth(poles: np.ndarray, T: float) -> np.ndarray:
-    """Real parts of s in 1/s for poles z = exp(s T)."""
+def _growth(poles: np.ndarray, T: float | None) -> np.ndarray:
+    """Real parts of poles s in 1/s; with a period T of poles z = exp(s T)."""
+    if not T:
+        return poles.real
     with np.errstate(divide="ignore"):
         return np.log(np.abs(poles)) / T
 
@@ -302,10 +303,11 @@ def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
     B, C, D = B[:, columns], C[rows], D[np.ix_(rows, columns)]
 
     def response(omega: np.ndarray) -> np.ndarray:
-        return transfer(A, B, C, D, np.exp(1j * omega * model.dt))
+        z = np.exp(1j * omega * model.dt)[:, None, None]
+        return C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D
 
     references = [x for x in outputs if x not in commands]
-    growth = _sampled_growth(np.linalg.eigvals(A), model.dt)
+    growth = _growth(np.linalg.eigvals(A), model.dt)
     name = type(law).__name__
     return _Connected(name, measured, commands, law.measured, references, response, growth)
 
@@ -318,11 +320,10 @@ def _same_period(parameter: str, law: Any, T: float, model: LinearModel) -> None
 
 def _of_response(loop: Any) -> Margins:
     """Margins of a loop of python-control."""
-    control = python_control()
+    control = required("control", "analysis", name="python-control")
     stable = None
     if isinstance(loop, (control.StateSpace, control.TransferFunction)) and loop.issiso():
-        poles = control.feedback(loop).poles()
-        growth = _sampled_growth(poles, loop.dt) if loop.isdtime(strict=True) else poles.real
+        growth = _growth(control.feedback(loop).poles(), loop.dt)
         stable = bool((growth <= _GROWTH).all())
         low, high = control.frequency_response(loop).omega[[0, -1]]
         # this range covers the poles and zeros, but a crossover may be far from them
@@ -336,7 +337,7 @@ def _of_response(loop: Any) -> Margins:
 
 
 def _margins(name: str, omega: np.ndarray, response: np.ndarray, stable: bool | None) -> Margins:
-    control = python_control()
+    control = required("control", "analysis", name="python-control")
     loop = control.FrequencyResponseData(response, omega, smooth=True)
     gains, phases, _, at_phase, at_gain, _ = control.stability_margins(loop, returnall=True)
     gains = 20 * np.log10(gains)
