@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import itertools
 
-import jsbsim
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from plain_jsbsim import trimmed
 
 from pathsim_jsbsim_blocks import (
     BodyToNED,
@@ -31,7 +31,6 @@ EULER = ["attitude/phi-deg", "attitude/theta-deg", "attitude/psi-deg"]
 GROUND = [f"velocities/{i}-fps" for i in "uvw"]
 AIR = [f"velocities/{i}-aero-fps" for i in "uvw"]
 NED = [f"velocities/v-{i}-fps" for i in ("north", "east", "down")]
-TOTAL_WIND = [f"atmosphere/total-wind-{i}-fps" for i in ("north", "east", "down")]
 VELOCITY_ECEF = [f"velocities/ecef-{i}-fps" for i in "xyz"]
 GEODETIC = ["position/lat-geod-deg", "position/long-gc-deg", "position/geod-alt-ft"]
 ECEF = [f"position/ecef-{i}-ft" for i in "xyz"]
@@ -45,29 +44,9 @@ REFERENCE_POINT_EARTH = [
     "position/vrp-radius-ft",
 ]
 OTHERS = ["velocities/vt-fps", "position/epa-rad"]
-PROPERTIES = [
-    *BODY,
-    *WIND,
-    *STABILITY,
-    *MOMENT_BODY,
-    *MOMENT_STABILITY,
-    *MOMENT_WIND,
-    *ANGLES,
-    *EULER,
-    *GROUND,
-    *AIR,
-    *NED,
-    *TOTAL_WIND,
-    *VELOCITY_ECEF,
-    *GEODETIC,
-    *ECEF,
-    *ECI,
-    *FROM_START,
-    *CG,
-    *REFERENCE_POINT,
-    *REFERENCE_POINT_EARTH,
-    *OTHERS,
-]
+VECTORS = [BODY, WIND, STABILITY, MOMENT_BODY, MOMENT_STABILITY, MOMENT_WIND, EULER, GROUND, AIR]
+VECTORS += [NED, VELOCITY_ECEF, GEODETIC, ECEF, ECI, FROM_START, CG, REFERENCE_POINT]
+PROPERTIES = [*itertools.chain(*VECTORS, REFERENCE_POINT_EARTH, ANGLES, OTHERS)]
 
 START = {
     "c172p": {"lat": 37.0, "lon": -122.0, "h": 5000.0, "kcas": 90.0, "psi": 40.0},
@@ -90,26 +69,14 @@ class Flight(dict):
 def flight(request):
     """10 s of a plain JSBSim loop in wind, with the stick, wheel and pedals moving."""
     start = START[request.param]
-    jsbsim.FGJSBBase().debug_lvl = 0
-    fdm = jsbsim.FGFDMExec(None)
-    fdm.disable_input()
-    fdm.disable_output()
-    fdm.set_output_path(str(Path(__file__).parent / "no such directory"))
-    assert fdm.load_model(request.param)
-    fdm["ic/lat-geod-deg"] = start["lat"]
-    fdm["ic/long-gc-deg"] = start["lon"]
-    fdm["ic/h-sl-ft"] = start["h"]
-    fdm["ic/psi-true-deg"] = start["psi"]
-    fdm["ic/vw-north-fps"] = 20.0
-    fdm["ic/vw-east-fps"] = -30.0
-    fdm["ic/vw-down-fps"] = 4.0
-    fdm["ic/vc-kts"] = start["kcas"]
-    assert fdm.run_ic()
-    fdm["propulsion/set-running"] = -1
-    fdm["simulation/do_simple_trim"] = 1
-
-    manager = fdm.get_property_manager()
-    assert [name for name in PROPERTIES if not manager.hasNode(name)] == []
+    setup = {
+        "ic/lat-geod-deg": start["lat"],
+        "ic/long-gc-deg": start["lon"],
+        "ic/vw-north-fps": 20.0,
+        "ic/vw-east-fps": -30.0,
+        "ic/vw-down-fps": 4.0,
+    }
+    fdm = trimmed(request.param, start["h"], start["kcas"], heading=start["psi"], setup=setup)
     rows = []
     for k in range(1200):
         t = k / 120.0
@@ -173,11 +140,6 @@ def test_local_ned_and_body_axes(flight):
     assert largest(axes.ned_to_body(*flight(NED), *euler), flight(GROUND)) < ROUNDING
 
 
-def test_wind_in_body_axes_is_ground_less_air_velocity(flight):
-    wind = axes.ned_to_body(*flight(TOTAL_WIND), *flight(EULER))
-    assert largest(wind, np.subtract(flight(GROUND), flight(AIR))) < ROUNDING
-
-
 def test_geodetic_and_earth_centred_coordinates(flight):
     assert largest(axes.geodetic_to_ecef(*flight(GEODETIC)), flight(ECEF)) < EARTH_ROUNDING
     lat, lon, h = axes.ecef_to_geodetic(*flight(ECEF))
@@ -239,23 +201,16 @@ def test_structural_axes_by_the_visual_reference_point(flight):
 
 
 @pytest.mark.parametrize(
-    ("phi", "theta", "psi", "north", "east", "down"),
+    ("point", "euler", "ned"),
     [
-        (0.0, 0.0, 90.0, 0.0, 1.0, 0.0),  # heading east, the nose points east
-        (0.0, 30.0, 0.0, 0.75**0.5, 0.0, -0.5),  # nose up, it points above the horizon
-        (60.0, 30.0, 180.0, -(0.75**0.5), 0.0, -0.5),  # and bank does not move it
+        ((1.0, 0.0, 0.0), (0.0, 0.0, 90.0), (0.0, 1.0, 0.0)),  # heading east, the nose points east
+        ((1.0, 0.0, 0.0), (0.0, 30.0, 0.0), (0.75**0.5, 0.0, -0.5)),  # nose up: above the horizon
+        ((1.0, 0.0, 0.0), (60.0, 30.0, 180.0), (-(0.75**0.5), 0.0, -0.5)),  # in a bank too
+        ((0.0, 1.0, 0.0), (30.0, 0.0, 0.0), (0.0, 0.75**0.5, 0.5)),  # right wing down
     ],
 )
-def test_where_the_nose_points(phi, theta, psi, north, east, down):
-    assert axes.body_to_ned(1.0, 0.0, 0.0, phi, theta, psi) == pytest.approx(
-        (north, east, down), abs=1e-15
-    )
-
-
-def test_right_wing_goes_down_with_positive_phi():
-    assert axes.body_to_ned(0.0, 1.0, 0.0, 30.0, 0.0, 0.0) == pytest.approx(
-        (0.0, 0.75**0.5, 0.5), abs=1e-15
-    )
+def test_signs_of_the_euler_angles(point, euler, ned):
+    assert axes.body_to_ned(*point, *euler) == pytest.approx(ned, abs=1e-15)
 
 
 def test_a_wheel_behind_right_of_and_below_the_centre_of_gravity():
@@ -296,12 +251,6 @@ def test_rotations_keep_length_and_turn_back(vector, one, two, three):
         # six roundings of a number up to 2e6, which are 2e-10 each
         assert np.linalg.norm(turned) == pytest.approx(np.linalg.norm(vector), abs=2e-9)
         assert largest(back(*turned, *turns), vector) < 2e-9
-
-
-@given(parts, parts)
-def test_structural_axes_and_back(point, reference):
-    there = axes.structural_to_body(*point, reference)
-    assert largest(axes.body_to_structural(*there, reference), point) < 2e-9
 
 
 @given(st.floats(0.1, 1e4), st.floats(-179.0, 179.0), st.floats(-89.0, 89.0))
@@ -353,35 +302,31 @@ def test_numbers_give_floats_and_nan_stays_where_it_is():
 
 
 @pytest.mark.parametrize(
-    ("call", "parameter", "message"),
+    ("call", "parameter"),
     [
-        (lambda: axes.ned_to_body("1", 0, 0, 0, 0, 0), "north", "real number.*'1'"),
-        (lambda: axes.body_to_wind(1, 0, 0, None, 0), "alpha", "real number.*None"),
-        (lambda: axes.body_to_wind(1, 0, 0, 0, 1j), "beta", "real number"),
-        (lambda: axes.body_to_stability([[1], [1, 2]], 0, 0, 0), "x", "real number"),
-        (
-            lambda: axes.body_to_ned([1, 2], 0, 0, [1, 2, 3], 0, 0),
-            "x, y, z, phi, theta, psi",
-            r"broadcast.*x \(2,\), phi \(3,\)",
-        ),
-        (lambda: axes.structural_to_body(1, 2, 3, (1, 2)), "reference", "three coordinates"),
-        (lambda: axes.body_to_structural(1, 2, 3, 4), "reference", "three coordinates"),
-        (lambda: axes.body_to_structural(1, 2, 3, np.array(4.0)), "reference", "three coordinates"),
-        (lambda: axes.structural_to_body(1, 2, 3, (1, 2, "3")), "reference[2]", "real number"),
-        (lambda: axes.geodetic_to_ecef(91, 0, 0), "lat", r"\[-90, 90\]"),
-        (lambda: axes.geodetic_to_ned(0, 0, 0, [0, -91], 0), "lat0", r"\[-90, 90\]"),
-        (lambda: axes.ned_to_geodetic(0, 0, 0, 100, 0), "lat0", r"\[-90, 90\]"),
-        (lambda: axes.ecef_vector_to_ned(0, 0, 0, 100, 0), "lat", r"\[-90, 90\]"),
-        (lambda: axes.ned_vector_to_ecef(0, 0, 0, 100, 0), "lat", r"\[-90, 90\]"),
-        (lambda: axes.ecef_to_geodetic(0, 0, 0), "x, y, z", "centre of the Earth, not at 0 ft"),
-        (lambda: axes.ecef_to_geodetic(6378137.0, 0, 0), "x, y, z", "20.9e6 ft"),  # metres
-        (lambda: GeodeticToNED(lat0=-90.5), "lat0", r"\[-90, 90\]"),
-        (lambda: GeodeticToNED(lon0=float("nan")), "lon0", "finite"),
-        (lambda: GeodeticToNED(h0="5000"), "h0", "number"),
+        (lambda: axes.ned_to_body("1", 0, 0, 0, 0, 0), "north"),
+        (lambda: axes.body_to_wind(1, 0, 0, None, 0), "alpha"),
+        (lambda: axes.body_to_wind(1, 0, 0, 0, 1j), "beta"),
+        (lambda: axes.body_to_stability([[1], [1, 2]], 0, 0, 0), "x"),
+        (lambda: axes.body_to_ned([1, 2], 0, 0, [1, 2, 3], 0, 0), "x, y, z, phi, theta, psi"),
+        (lambda: axes.structural_to_body(1, 2, 3, (1, 2)), "reference"),
+        (lambda: axes.body_to_structural(1, 2, 3, 4), "reference"),
+        (lambda: axes.body_to_structural(1, 2, 3, np.array(4.0)), "reference"),
+        (lambda: axes.structural_to_body(1, 2, 3, (1, 2, "3")), "reference[2]"),
+        (lambda: axes.geodetic_to_ecef(91, 0, 0), "lat"),
+        (lambda: axes.geodetic_to_ned(0, 0, 0, [0, -91], 0), "lat0"),
+        (lambda: axes.ned_to_geodetic(0, 0, 0, 100, 0), "lat0"),
+        (lambda: axes.ecef_vector_to_ned(0, 0, 0, 100, 0), "lat"),
+        (lambda: axes.ned_vector_to_ecef(0, 0, 0, 100, 0), "lat"),
+        (lambda: axes.ecef_to_geodetic(0, 0, 0), "x, y, z"),
+        (lambda: axes.ecef_to_geodetic(6378137.0, 0, 0), "x, y, z"),  # metres
+        (lambda: GeodeticToNED(lat0=-90.5), "lat0"),
+        (lambda: GeodeticToNED(lon0=float("nan")), "lon0"),
+        (lambda: GeodeticToNED(h0="5000"), "h0"),
     ],
 )
-def test_bad_input_is_named(call, parameter, message):
-    with pytest.raises(ParameterError, match=message) as error:
+def test_bad_input_is_refused_by_name(call, parameter):
+    with pytest.raises(ParameterError) as error:
         call()
     assert error.value.parameter == parameter
 

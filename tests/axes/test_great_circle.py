@@ -71,17 +71,6 @@ def test_meridian_and_equator():
     assert (west.course, west.across) == pytest.approx((270.0, -found.across))
 
 
-def test_a_circle_is_three_unit_vectors_at_right_angles():
-    end = (30.0, -100.0)
-    circle = great_circle((40.0, -120.0), end)
-    axes = np.array([circle.left, circle.end, circle.forward])
-    assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-12)
-    # points above which a place lies, from the Earth's centre
-    there = np.array(geodetic_to_ecef(*end, 0.0), dtype=float)
-    assert circle.end == pytest.approx(there / np.linalg.norm(there), abs=1e-9)
-    assert circle.forward[2] < 0.0  # to the south
-
-
 def test_across_the_date_line_and_over_the_pole():
     leg = great_circle((10.0, 179.5), (10.0, -179.5))
     assert leg.length == pytest.approx(great_circle((10.0, 0.0), (10.0, 1.0)).length, rel=1e-12)

@@ -12,13 +12,7 @@ from scipy.signal import welch
 
 from pathsim_jsbsim_blocks import DrydenTurbulence, ParameterError
 from pathsim_jsbsim_blocks.wind import Dryden, dryden_field
-from pathsim_jsbsim_blocks.wind.turbulence import (
-    WIND_20FT,
-    _lower,
-    _second_order,
-    _stationary,
-    _times,
-)
+from pathsim_jsbsim_blocks.wind.turbulence import WIND_20FT
 
 NAMES = ("u", "v", "w", "p", "q", "r")
 SPAN = 94.7  # ft, a 737
@@ -165,13 +159,16 @@ def test_a_step_is_that_of_the_matrix_exponential(theta, k):
     B = np.array([[1.0], [0.0], [0.0]])
     transition = expm(A * theta)
     stationary = solve_continuous_lyapunov(A, -B @ B.T)
-    still = np.zeros((3, 3))
-    moved = np.array(_second_order(np.eye(3), theta, k, still))
+    h = 10.0  # ft; the states of v are numbers 1 to 3, their noise too
+    L = dryden_field(h).L_v
+    dryden = Dryden(1.0, span=math.pi * L / (3 * k))
+    V, units, still = theta * L, np.eye(8), np.zeros((8, 8))
+    moved = np.array(dryden.step(units, h, V, still))[1:4, 1:4]
     assert moved == pytest.approx(transition, abs=1e-13)
-    factor = np.array(_second_order(still, theta, k, np.eye(3)))
+    factor = np.array(dryden.step(still, h, V, units))[1:4, 1:4]
     added = stationary - transition @ stationary @ transition.T
     assert factor @ factor.T == pytest.approx(added, abs=1e-12)
-    start = np.array(_times(_lower(_stationary(k)), np.eye(3)))
+    start = np.array(dryden.start(h, units))[1:4, 1:4]
     assert start @ start.T == pytest.approx(stationary, abs=1e-13)
 
 
