@@ -3,18 +3,13 @@
 import math
 import os
 import threading
+from functools import partial
 
 import numpy as np
 import pytest
 
 from pathsim_jsbsim_blocks import ParameterError
 from pathsim_jsbsim_blocks._core import checks
-
-
-def refuse(check, *arguments, text=None, **keywords):
-    with pytest.raises(ParameterError, match=text) as info:
-        check(*arguments, **keywords)
-    return info.value
 
 
 def test_a_new_file_is_not_left_behind(tmp_path):
@@ -40,89 +35,84 @@ def test_a_pipe_is_not_opened(tmp_path):
     assert not checking.is_alive()
 
 
+NO_NUMBERS = ["1", True, None, [1.0], np.ones(1), 1j, math.nan]
+INFINITIES = [math.inf, -math.inf, 10**400]
+
+
+@pytest.mark.parametrize(
+    ("check", "values"),
+    [
+        (partial(checks.number, low=2.0, high=3.0), [2, 2.5, 3.0, np.float32(2.5)]),
+        (partial(checks.number, above=0.0), [1e-300]),
+        (partial(checks.number, infinite=True), [1.0, math.inf, -math.inf]),
+        (checks.positive, [3]),
+        (partial(checks.integer, low=1), [4.0, 2**53 + 1]),  # every digit
+        (partial(checks.one_of, choices=["full", "none"]), ["full"]),
+        (checks.flag, [np.True_, False]),
+    ],
+)
+def test_what_passes_comes_back_in_its_plain_form(check, values):
+    kinds = {bool: bool, np.bool_: bool, str: str}
+    for value in values:
+        plain = check("x", value)
+        assert plain == value
+        kind = int if getattr(check, "func", check) is checks.integer else float
+        assert type(plain) is kinds.get(type(value), kind)
+
+
+@pytest.mark.parametrize(
+    ("check", "values"),
+    [
+        (checks.number, [*NO_NUMBERS, *INFINITIES]),
+        (partial(checks.number, infinite=True), NO_NUMBERS),
+        (
+            partial(checks.number, low=2.0, high=3.0),
+            [math.nextafter(2.0, 0.0), math.nextafter(3.0, 4.0)],
+        ),
+        (partial(checks.number, above=0.0, high=80.0), [0.0, 90.0]),
+        (partial(checks.number, low=0.0), [-1.0]),
+        (partial(checks.number, high=0.0), [1.0]),
+        (checks.positive, [0]),
+        (partial(checks.integer, low=4), [4.5, 3]),
+        (checks.numbers, ["12", 3.0, np.array(1.0), None]),
+        (partial(checks.one_of, choices=["full", "none"]), ["ful", 3]),
+        (checks.flag, ["no", 1, None]),
+        (checks.as_path, [3, None, b"x", "a\0b"]),
+        (checks.writable, [3]),
+        (checks.mapping, [[("a", 1)]]),
+        (lambda name, value: checks.arrays(**{name: value}), ["1", True, None, 1j, [[1], [1, 2]]]),
+        (lambda name, value: checks.finite(**{name: value}), [True, math.nan, [1.0, math.inf]]),
+    ],
+)
+def test_the_rest_is_refused_with_its_name_and_value(check, values):
+    for value in values:
+        with pytest.raises(ParameterError) as error:
+            check("x", value)
+        assert error.value.parameter == "x"
+        assert error.value.value is value
+
+
 def test_no_file_can_be_written_there(tmp_path):
-    error = refuse(checks.writable, "file", tmp_path, text="is a directory")
-    assert (error.parameter, error.value) == ("file", str(tmp_path))
-    refuse(checks.writable, "file", tmp_path / "none" / "x.csv", text="no directory")
-    refuse(checks.writable, "file", tmp_path / ("x" * 300), text="cannot write")
-    refuse(checks.writable, "file", 3)
-
-
-def test_paths():
-    assert checks.as_path("file", "a/b").parts == ("a", "b")
-    for value in (3, None, b"x", "a\0b"):
-        assert refuse(checks.as_path, "file", value, text="must be a path").parameter == "file"
-
-
-def test_a_bound_that_does_not_pass_is_open():
-    with pytest.raises(ParameterError) as error:
-        checks.number("bank", 90.0, above=0.0, high=80.0)
-    assert (error.value.parameter, error.value.value) == ("bank", 90.0)
-
-
-def test_a_single_bound_is_named_alone():
-    refuse(checks.number, "x", -1.0, low=0.0, text="^x must be at least 0, not -1$")
-    refuse(checks.number, "x", 1.0, high=0.0, text="^x must be at most 0, not 1$")
-
-
-def test_a_number_lies_within_its_bounds_and_the_bounds_pass():
-    assert checks.number("x", 2, low=2.0, high=3.0) == 2.0
-    assert checks.number("x", 3.0, low=2.0, high=3.0) == 3.0
-    assert type(checks.number("x", np.float32(2.5))) is float
-    assert checks.number("x", 1e-300, above=0.0) == 1e-300
-    for value in (math.nextafter(2.0, 0.0), math.nextafter(3.0, 4.0)):
-        refuse(checks.number, "x", value, low=2.0, high=3.0, text=r"\[2, 3\]")
-    error = refuse(checks.number, "x", 0.0, above=0.0, text="x must be greater than 0, not 0")
-    assert (error.parameter, error.value) == ("x", 0.0)
-    refuse(checks.positive, "x", 0)
-    assert checks.positive("x", 3) == 3.0
-
-
-@pytest.mark.parametrize("value", ["1", True, None, [1.0], np.ones(1), 1j])
-def test_what_is_no_number(value):
-    refuse(checks.number, "x", value, text="must be a number")
-
-
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 10**400])
-def test_infinities_pass_where_they_may_and_no_number_never(value):
-    refuse(checks.number, "x", value, text="must be finite")
-    if value == value:
-        assert math.isinf(checks.number("x", value, infinite=True))
-    else:
-        refuse(checks.number, "x", value, infinite=True, text="must be finite")
+    for path in (tmp_path, tmp_path / "none" / "x.csv", tmp_path / ("x" * 300)):
+        with pytest.raises(ParameterError) as error:
+            checks.writable("file", path)
+        assert (error.value.parameter, error.value.value) == ("file", str(path))
 
 
 def test_limits_may_touch_and_be_infinite():
     assert checks.check_range(-math.inf, math.inf) == (-math.inf, math.inf)
     assert checks.check_range(1, 1.0) == (1.0, 1.0)
-    error = refuse(checks.check_range, 2, 1, text="lower limit 2 must not be above the upper, 1")
-    assert (error.parameter, error.value) == ("low", 2)
-
-
-def test_whole_numbers_keep_every_digit():
-    assert checks.integer("n", 4.0, low=4) == 4
-    assert checks.integer("n", 2**53 + 1, low=1) == 2**53 + 1
-    refuse(checks.integer, "n", 4.5, low=1, text="whole number")
-    refuse(checks.integer, "n", 3, low=4)
+    with pytest.raises(ParameterError) as error:
+        checks.check_range(2, 1)
+    assert (error.value.parameter, error.value.value) == ("low", 2)
 
 
 def test_lists_of_numbers():
     for value in ([1, 2.5], (1, 2.5), np.array([1, 2.5])):
         assert checks.numbers("x", value) == [1.0, 2.5]
-    for value in ("12", 3.0, np.array(1.0), None):
-        refuse(checks.numbers, "x", value, text="must be a list of numbers")
-    assert refuse(checks.numbers, "x", [1, "a"], text="must be a number").parameter == "x[1]"
-
-
-def test_choices_and_switches():
-    assert checks.one_of("mode", "full", ["full", "none"]) == "full"
-    error = refuse(checks.one_of, "mode", "ful", ["full", "none"], text="did you mean 'full'")
-    assert (error.parameter, error.value) == ("mode", "ful")
-    refuse(checks.one_of, "mode", 3, ["full"])
-    assert checks.flag("on", np.True_) is True
-    assert checks.flag("on", False) is False
-    for value in ("no", 1, None):
-        refuse(checks.flag, "on", value, text="True or False")
+    with pytest.raises(ParameterError) as error:
+        checks.numbers("x", [1, "a"])
+    assert error.value.parameter == "x[1]"
 
 
 def test_nearest_names():
@@ -151,7 +141,6 @@ def test_mappings():
     assert checks.mapping("properties", given) == given
     assert checks.mapping("properties", given) is not given
     assert checks.mapping("properties", None) == {}
-    refuse(checks.mapping, "properties", [("a", 1)], text="must be a dict")
 
 
 def test_arrays_take_their_common_shape_and_are_copies():
@@ -161,17 +150,12 @@ def test_arrays_take_their_common_shape_and_are_copies():
     x[0, 0] = 9.0
     assert (x[1, 0], given[0]) == (1.0, 1.0)
     assert checks.arrays(x=1, y=2.5) == [1.0, 2.5]
-    error = refuse(checks.arrays, x=[1, 2], y=[1, 2, 3], z=1, text=r"x \(2,\), y \(3,\)$")
-    assert error.parameter == "x, y, z"
-    for value in ("1", True, None, 1j, [[1], [1, 2]]):
-        refuse(checks.arrays, x=value, text="must be a real number")
+    with pytest.raises(ParameterError) as error:
+        checks.arrays(x=[1, 2], y=[1, 2, 3], z=1)
+    assert error.value.parameter == "x, y, z"
 
 
 def test_finite_numbers_keep_their_own_shapes():
     x, y = checks.finite(x=3, y=[1.0, 2.0])
     assert (x, type(x), y.shape) == (3.0, float, (2,))
     assert checks.finite(x=1.5, y=-2.0) == [1.5, -2.0]
-    error = refuse(checks.finite, x=1.0, y=[1.0, math.inf, math.nan], text="y must be finite.* inf")
-    assert error.parameter == "y"
-    refuse(checks.finite, x=math.nan, text="x must be finite, not nan")
-    refuse(checks.finite, x=True)

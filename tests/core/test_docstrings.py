@@ -7,55 +7,8 @@ from pathsim.blocks import Block
 
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks import air, axes
-from pathsim_jsbsim_blocks._core.docstrings import filler
 
-fill = filler(
-    speed="""
-    speed
-        in m/s
-
-        of the air
-    """
-)
-
-
-def test_a_text_takes_the_indentation_of_its_place():
-    @fill
-    def f():
-        """Sum 100 %(speed)s of it.
-
-            %(speed)s
-        %(speed)s
-        """
-
-    assert inspect.cleandoc(f.__doc__) == (
-        "Sum 100 %(speed)s of it.\n\n"
-        "    speed\n        in m/s\n\n        of the air\n"
-        "speed\n    in m/s\n\n    of the air"
-    )
-
-
-def test_a_place_without_a_text_is_an_error():
-    with pytest.raises(KeyError, match="sped"):
-
-        @fill
-        def f():
-            """%(sped)s"""
-
-
-def test_without_docstrings_there_is_nothing_to_fill():
-    def f():
-        pass
-
-    assert fill(f).__doc__ is None
-
-
-DOCUMENTED = {
-    n: o
-    for part in (package, air, axes)
-    for n, o in vars(part).items()
-    if not n.startswith("_") and (inspect.isfunction(o) or inspect.isclass(o))
-}
+DOCUMENTED = {n: getattr(part, n) for part in (package, air, axes) for n in part.__all__}
 
 
 @pytest.mark.parametrize("name", DOCUMENTED)

@@ -3,7 +3,6 @@
 import contextlib
 import math
 import sys
-from dataclasses import dataclass
 
 import pytest
 from how_many import first
@@ -11,52 +10,12 @@ from pathsim import Connection, Interface, Simulation, StopSimulation, Subsystem
 from pathsim.blocks import Amplifier, Block, Constant, Integrator, Scope, Source
 from pathsim.events import Condition, Schedule, ZeroCrossing
 from pathsim.solvers import RK4, RKCK54, RKDP54, SSPRK22
+from sampled_blocks import Integral, Mass, nested
 
 from pathsim_jsbsim_blocks import Aircraft, DiscretePID, ParameterError, fly
-from pathsim_jsbsim_blocks._core.sampling import SampledLaw, SampledPlant
 
 T = 0.125  # s; sums of it and of its parts are exact
 COUNT = 8  # instants of a flight
-
-
-class Mass(SampledPlant):
-    """A damped mass in Euler's steps, which may be asked again for the latest of them."""
-
-    input_port_labels = {"u": 0}
-
-    def __init__(self, T=T):
-        super().__init__(T)
-        self.begin()
-
-    def begin(self):
-        self.states = {0: (1.0, 0.0)}
-        self.start_from([1.0])
-
-    def reset(self):
-        super().reset()
-        self.begin()
-
-    def advance(self, index, u):
-        s, v = self.states[index - 1]
-        v += T * (u[0] - 0.3 * v - s)
-        self.states[index] = s + T * v, v
-        return [s + T * v]
-
-
-@dataclass(eq=False)
-class Integral(SampledLaw):
-    """PI on the difference of two inputs."""
-
-    T: float = T
-
-    input_port_labels = {"r": 0, "y": 1}
-
-    def initial_state(self):
-        return 0.0
-
-    def law(self, u, state):
-        state = state + self.T * (u[0] - u[1])
-        return [0.8 * (u[0] - u[1]) + 0.5 * state], state
 
 
 class Record(Block):
@@ -76,24 +35,15 @@ class Record(Block):
             self.rows[round(k)] = self.inputs.to_array().tolist()
 
 
-def boxed(block, inputs, depth):
-    for _ in range(depth):
-        face, gains = Interface(), [Amplifier(1.0) for _ in range(inputs)]
-        wires = [Connection(face[i], gain) for i, gain in enumerate(gains)]
-        wires += [Connection(gain, block[i]) for i, gain in enumerate(gains)]
-        block = Subsystem([face, *gains, block], [*wires, Connection(block, face)])
-    return block
-
-
 class Loop:
     """A mass under two laws of two periods, a reference and, beside them, continuous states."""
 
     def __init__(self, depth=0, states=0, parts=1, events=(), **options):
         self.reference = Source(lambda t: math.sin(round(8.0 * t / T)))
         self.calls = Source(self.called)
-        self.first, self.second, self.record = Integral(), Integral(2 * T), Record()
-        self.mass = Mass()
-        mass, first = boxed(self.mass, 1, depth), boxed(self.first, 2, max(depth - 1, 0))
+        self.first, self.second, self.record = Integral(T), Integral(2 * T), Record()
+        self.mass = Mass(T)
+        mass, first = nested(self.mass, 2, depth), nested(self.first, 2, max(depth - 1, 0))
         integrators = [Integrator() for _ in range(states)]
         self.action, added = lambda t: None, Amplifier(0.7)
         self.sim = Simulation(
@@ -280,7 +230,7 @@ def test_a_first_step_by_hand_finds_no_crossing_of_what_nothing_has_evaluated():
     found = []
     for by_hand in (False, True):
         # the output is 0 before the first evaluation, and 1 from then on
-        one, law, times = Constant(1.0), Integral(), []
+        one, law, times = Constant(1.0), Integral(T), []
         crossing = ZeroCrossing(lambda t, one=one: one.outputs[0] - 0.5, times.append)
         met = Condition(lambda t, law=law: law.outputs[0] > 0.0, times.append)
         wires = [Connection(one, law["r"])]
@@ -304,21 +254,7 @@ def test_a_plant_and_a_law_that_are_switched_off_and_on_in_a_run_begin_there(run
     assert (loop.first.clock.start, loop.first.clock.latest[0]) == (4 * T, 5)
     assert (loop.mass.clock.start, loop.mass.samples) == (6 * T, 2)
     u = 0.7 * loop.record.rows[6][1]
-    (s, v), mass = (1.0, 0.0), Mass()
-    assert loop.mass.states[1] == (s + T * (v + T * (u - s)), v + T * (u - s))
-    assert mass.advance(1, [u]) == [loop.record.rows[7][0]]
-
-
-def test_a_law_that_is_switched_on_in_a_run_begins_there():
-    loop = Loop()
-    loop.sim.run(2 * T)
-    loop.first.off()
-    loop.sim.run(2.5 * T)
-    loop.first.on()
-    for _ in range(3):
-        loop.sim.timestep(T)
-    assert loop.first.clock.start == 5 * T
-    assert loop.first.clock.latest[0] == 4
+    assert Mass(T).advance(1, [u, 0.0]) == [loop.record.rows[7][0]]
 
 
 @pytest.mark.parametrize("reset", [False, True])

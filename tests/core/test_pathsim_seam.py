@@ -168,13 +168,15 @@ def test_private_names_of_pathsim_are_in_the_seam_only():
 
 
 def test_runs_that_pathsim_makes_itself_are_told_from_the_users():
-    begun = []
+    begun, inner = [], []
     sim = Simulation([Constant()], dt=0.1, log=False)
     with runs.intercepted_runs(lambda run: begun.append(run.method), "timestep", "steadystate"):
+        with runs.intercepted_runs(inner.append):  # a context within, which has ended
+            pass
         sim.run(0.3)
         sim.steadystate()
         sim.timestep()
-    assert begun == ["run", "steadystate", "timestep"]
+    assert (begun, inner) == (["run", "steadystate", "timestep"], [])
 
 
 def test_a_block_in_subsystems_is_told_the_solver_by_each_of_them():

@@ -2,74 +2,25 @@
 
 import math
 import random
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from how_many import bounded
-from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim import Connection, Simulation
 from pathsim.blocks import Amplifier, Integrator, Scope, Source
 from pathsim.events import ZeroCrossing
 from pathsim.solvers import ESDIRK43, EUB, RK4, RKBS32, RKCK54, SSPRK22
+from sampled_blocks import Integral, Mass, nested
 
 from pathsim_jsbsim_blocks import fly
-from pathsim_jsbsim_blocks._core.sampling import SampledLaw, SampledPlant
 
 BASE = 0.025  # s; periods are multiples of it
 STEPS = 60
 
 
-class Mass(SampledPlant):
-    """A damped mass in Euler's steps."""
-
-    input_port_labels = {"u": 0, "d": 1}
-
-    def __init__(self, T):
-        super().__init__(T)
-        self.x = (0.0, 1.0)
-        self.start_from([0.0])
-
-    def reset(self):
-        super().reset()
-        self.x = (0.0, 1.0)
-        self.start_from([0.0])
-
-    def advance(self, index, u):
-        s, v = self.x
-        v += self.clock.period * (u[0] + u[1] - 0.3 * v - s)
-        self.x = (s + self.clock.period * v, v)
-        return [self.x[0]]
-
-
-@dataclass(eq=False)
-class Integral(SampledLaw):
-    """PI on the difference of two inputs."""
-
-    T: float
-
-    input_port_labels = {"r": 0, "y": 1}
-
-    def initial_state(self):
-        return 0.0
-
-    def law(self, u, state):
-        error = u[0] - u[1]
-        state = state + self.clock.period * error
-        return [0.8 * error + 0.5 * state], state
-
-
 def wave(rate):
     # of the grid, because PathSim adds up dt and the plain loop counts
     return lambda t: math.sin(rate * round(t / BASE))
-
-
-def nested(block, inputs, depth):
-    for _ in range(depth):
-        inside, gains = Interface(), [Amplifier(1.0) for _ in range(inputs)]
-        wires = [Connection(inside[i], gain) for i, gain in enumerate(gains)]
-        wires += [Connection(gain, block[i]) for i, gain in enumerate(gains)]
-        block = Subsystem([inside, *gains, block], [*wires, Connection(block, inside)])
-    return block
 
 
 def diagram(seed):

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
-    Autopilot,
     CAStoTAS,
     DoubletSource,
     JSBSimFDM,
@@ -30,16 +29,10 @@ PitchHold().theta_ref = "up"  # incompatible
 PitchHold().theta_ref = 3.0
 Aircraft("c172p", altitude=5000, speed=90, output_properties=["h_agl"])
 Aircraft("c172p", altitud=5000)  # unexpected
-DoubletSource(0.2, width=2.0)
 DoubletSource(amplitud=0.2)  # unexpected
-JSBSimFDM(1 / 60, ["fcs/elevator-cmd-norm"], aircraft_model="c172p")
 JSBSimFDM(aircraft="c172p")  # unexpected
-LinearAircraft("c172p", method="algebraic")
 LinearAircraft(model=None)  # unexpected
 CAStoTAS(altitude_knd="geometric")  # unexpected
-Autopilot(psi_reff=3.0)  # unexpected
-PitchHold().theta_rf = 5.0  # no attribute
-PitchHold()["theta"]
 design_gains("c172p", create="missing", root=None)
 design_gains("c172p", creat="missing")  # unexpected
 design_gains("c172p", create=3)  # incompatible
