@@ -12,9 +12,10 @@ from pathlib import Path
 from urllib.parse import quote, urlsplit
 
 import pytest
+from models import block, event, model, subsystem
 from served_pathview import page_headers
 
-from pathsim_jsbsim_blocks.errors import DiagramError, MissingExtraError
+from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import page, view
 from pathsim_jsbsim_blocks.pathview.server import Server
 from pathsim_jsbsim_blocks.pathview.toolboxes import Toolbox
@@ -40,12 +41,6 @@ def server():
     ) as server:
         threading.Thread(target=server.run, daemon=True).start()
         yield server
-
-
-def test_a_server_without_pathview_says_what_to_install(monkeypatch):
-    monkeypatch.setitem(sys.modules, "pathview", None)
-    with pytest.raises(MissingExtraError, match=r"pathsim-jsbsim-blocks\[pathview\]"):
-        Server({}, port=0)
 
 
 @pytest.fixture(scope="module")
@@ -358,71 +353,29 @@ def test_a_connection_that_its_program_has_closed_is_nobodys():
 )
 @pytest.mark.parametrize("place", ["block", "port", "event", "inside"])
 def test_a_name_that_the_page_takes_for_html_is_refused(name, place, tmp_path):
-    node = {
-        "id": "a",
-        "type": "Constant",
-        "name": "a",
-        "inputs": [],
-        "params": {},
-        "outputs": [{"id": "a-output-0", "name": "out"}],
-    }
-    content = {"version": "1.0.0", "graph": {"nodes": [node]}}
-    if place == "block":
-        node["name"] = name
-    elif place == "port":
-        node["outputs"][0]["name"] = name
-    elif place == "event":
-        content["events"] = [
-            {"id": "e", "type": "ZeroCrossing", "name": name, "params": {"func_evt": "lambda t: 1"}}
-        ]
-    else:
-        content["graph"]["nodes"] = [
-            {
-                "id": "s",
-                "type": "Subsystem",
-                "name": "s",
-                "inputs": [],
-                "outputs": [],
-                "params": {},
-                "graph": {
-                    "nodes": [
-                        {
-                            "id": "i",
-                            "type": "Interface",
-                            "name": "i",
-                            "inputs": [],
-                            "outputs": [],
-                            "params": {},
-                        },
-                        {**node, "name": name},
-                    ],
-                    "connections": [],
-                },
-            }
-        ]
-    path = tmp_path / "model.pvm"
-    path.write_text(json.dumps(content))
-    with pytest.raises(DiagramError, match="has HTML") as caught:
-        view(path, browser=False)
-    assert repr(name) in str(caught.value)
+    one = block("a", "Constant")
+    content = {
+        "block": lambda: model({**one, "name": name}),
+        "port": lambda: model({**one, "outputs": [{"id": "a-output-0", "name": name}]}),
+        "event": lambda: model(events=[event(name, func_act="print")]),
+        "inside": lambda: model(subsystem("s", block("i", "Interface"), {**one, "name": name})),
+    }[place]()
+    assert f"the name {name!r} has HTML" in refused(content, tmp_path)
 
 
 @pytest.mark.parametrize("address", ["javascript:alert(1)", '" onmouseover="alert(1)', "data:,x"])
 def test_a_note_with_a_link_that_runs_something_is_refused(address, tmp_path):
-    path = tmp_path / "model.pvm"
-    path.write_text(
-        json.dumps(
-            {
-                "version": "1.0.0",
-                "graph": {
-                    "nodes": [],
-                    "annotations": [{"id": "n", "content": f"see [this]({address})"}],
-                },
-            }
-        )
-    )
-    with pytest.raises(DiagramError, match="not a web address"):
+    note = {"id": "n", "content": f"see [this]({address})"}
+    assert "not a web address" in refused(model(annotations=[note]), tmp_path)
+
+
+def refused(content, folder):
+    """What ``view`` says of a model that it does not open."""
+    path = folder / "model.pvm"
+    path.write_text(json.dumps(content))
+    with pytest.raises(DiagramError) as error:
         view(path, browser=False)
+    return str(error.value)
 
 
 def sent(server, headers, pieces):

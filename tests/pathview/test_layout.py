@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pathsim_jsbsim_blocks.pathview.diagram import Graph, Node, Wire
-from pathsim_jsbsim_blocks.pathview.layout import arrange, size, touch
+from pathsim_jsbsim_blocks.pathview.layout import arrange, size
 
 pytest.importorskip("pathview")
 
@@ -119,58 +119,6 @@ def test_nothing_overlaps_and_all_is_on_the_grid(n, data):
         )
 
 
-@pytest.mark.parametrize(
-    ("name", "kind", "inputs", "outputs", "pinned", "expected"),
-    [
-        ("a", "Block", 0, 1, 0, (80, 40)),
-        ("a" * 10, "Block", 1, 0, 0, (80, 40)),
-        ("a" * 11, "Block", 0, 1, 0, (100, 40)),
-        ("a" * 14, "Block", 0, 1, 0, (120, 40)),
-        ("a", "B" * 12, 0, 1, 0, (80, 40)),
-        ("a", "B" * 13, 0, 1, 0, (100, 40)),
-        ("a", "Block", 0, 1, 1, (160, 80)),
-        ("a", "Block", 0, 1, 2, (160, 100)),
-        ("a", "Block", 2, 1, 0, (80, 40)),
-        ("a", "Block", 3, 1, 0, (80, 60)),
-        ("a", "Block", 1, 22, 1, (160, 440)),
-    ],
-)
-def test_a_block_is_as_large_as_pathview_draws_it(name, kind, inputs, outputs, pinned, expected):
-    # 6 px for a letter of the name, 5 for one of the type, 20 for a port, 24 for a pinned parameter
-    node = Node(name, kind, {}, ["in"] * inputs, ["out"] * outputs)
-    assert size(node, pinned) == expected
-
-
-def test_columns_stand_50_apart_and_10_more_for_each_signal_that_turns_between():
-    x, y, _ = placed(graph("a>b"))
-    assert x == {"a": 40, "b": 40 + 80 + 50 + 10}
-    x, y, _ = placed(graph("a>sum b>sum.1 sum>scope"))
-    assert x == {"a": 40, "b": 40, "sum": 40 + 80 + 50 + 20, "scope": 190 + 80 + 50 + 10}
-    assert y["b"] - y["a"] == 40 + 60
-    assert y["sum"] - y["a"] == 10  # straight into its first port
-    assert y["scope"] == y["sum"]
-    x, _, _ = placed(graph(" ".join(f"s{i}>mux.{i}" for i in range(12))))
-    assert x["mux"] == 40 + 80 + 50 + 100  # no more than for ten
-
-
-def test_names_of_ports_have_room_inside_a_block():
-    """20 px steps for 8 px and 4 for each letter; numbers and recorders show no names."""
-    inputs, outputs = ["theta", "elev_sat"], ["aileron-cmd-norm"]
-    assert size(Node("a", "Block", {}, inputs, [])) == (80 + 40, 40)
-    assert size(Node("a", "Block", {}, inputs, outputs)) == (80 + 40 + 80, 40)
-    assert size(Node("a", "Block", {}, ["in 0", "in 1"], ["out 0"])) == (80, 40)
-    assert size(Node("a", "Scope", {}, inputs, [])) == (80, 40)
-
-
-def test_wires_that_run_back_have_room_above_and_below():
-    holds = ("one", "two", "three")
-    back = " ".join(f"plane>{hold}.{i}" for hold in holds for i in range(4))
-    on = " ".join(f"{hold}>plane.{i}" for i, hold in enumerate(holds))
-    _, y, _ = placed(graph(f"{back} {on} plane>scope", ports={"plane": 8}))
-    # blocks 80 high, 60 between, and 10 more: the four wires are of one port
-    assert [y["one"], y["two"], y["three"]] == [-150, 0, 150]
-
-
 def test_a_scope_does_not_move_its_sources():
     """Each source is level with the block that it feeds, however far the scope of all is."""
     lanes = " ".join(f"s{i}>plane{i} s{i}>scope.{i}" for i in range(3))
@@ -189,37 +137,6 @@ def test_a_chain_too_long_for_a_page_goes_on_in_a_second_row():
     assert y["g"] - y["a"] == 40 + 60 + 10  # px: and 10 for the wire between
 
 
-def test_a_way_back_from_the_second_row_stands_below_the_first():
-    chain = "r>a a>b b>c c>d d>e e>f f>g g>h h>i i>scope i>back back>b.1"
-    _, y, turned = placed(graph(chain))
-    assert turned == {"back"}
-    assert y["b"] < y["back"] < y["i"]
-    # and that of a loop in the second row below that
-    chain = "r>a a>b b>c c>d d>e e>f f>g g>h h>i i>scope i>back back>h.1"
-    _, y, turned = placed(graph(chain))
-    assert turned == {"back"}
-    assert y["b"] < y["h"] < y["back"]
-
-
-def test_the_way_back_runs_below_from_right_to_left_at_equal_distances():
-    x, y, turned = placed(graph("step>sum sum>a a>b b>c c>scope c>back back>sum.1"))
-    assert turned == {"back"}
-    # 60 below the lowest, which is 20 high from its centre
-    assert y["back"] == max(y[n] for n in ("step", "sum", "a", "b", "c")) + 20 + 60 + 20
-    assert x["back"] == pytest.approx((x["sum"] + x["c"]) / 2, abs=5)
-    x, y, _ = placed(graph("step>sum sum>a a>b b>c c>scope c>back back>way way>sum.1"))
-    assert y["back"] == y["way"]
-    assert [x["back"], x["way"]] == pytest.approx(
-        [x["c"] + (x["sum"] - x["c"]) * part for part in (1 / 3, 2 / 3)], abs=5
-    )
-    # too short a way is widened about its middle: 80 and 50 for each block on it
-    x, _, _ = placed(graph("step>sum sum>plant plant>scope plant>back back>way way>sum.1"))
-    middle = (x["sum"] + x["plant"]) / 2
-    assert [x["back"], x["way"]] == pytest.approx(
-        [middle + 130 * side / 3 for side in (1, -1)], abs=5
-    )
-
-
 def test_two_ways_back_do_not_touch():
     x, y, turned = placed(
         graph("step>sum sum>plant plant>scope plant>one one>sum.1 plant>two two>sum.2")
@@ -229,23 +146,25 @@ def test_two_ways_back_do_not_touch():
     assert abs(y["one"] - y["two"]) == 70
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "touching"),
-    [
-        (0, 0, True),
-        (99, 69, True),
-        (-99, -69, True),
-        (100, 0, False),
-        (-100, 69, False),
-        (0, 70, False),
-        (99, -70, False),
-    ],
-)
-def test_blocks_touch_where_no_wire_goes_between(x, y, touching):
-    assert touch((500, 300), (80, 40), (500 + x, 300 + y), (80, 40)) is touching
-    assert touch((500 + x, 300 + y), (100, 60), (500, 300), (60, 20)) is touching
+def test_wires_that_run_back_have_room_above_and_below():
+    holds = ("one", "two", "three")
+    back = " ".join(f"plane>{hold}.{i}" for hold in holds for i in range(4))
+    on = " ".join(f"{hold}>plane.{i}" for i, hold in enumerate(holds))
+    _, y, _ = placed(graph(f"{back} {on} plane>scope", ports={"plane": 8}))
+    # blocks 80 high, 60 between, and 10 more: the four wires are of one port
+    assert [y["one"], y["two"], y["three"]] == [-150, 0, 150]
 
 
 def test_a_block_seen_only_by_a_scope_stands_beside_the_last_before_it():
     x, _, _ = placed(graph("a>b b>c c>scope alone>scope.1"))
     assert x["alone"] == x["c"]
+
+
+def test_too_short_a_way_back_is_widened_about_its_middle():
+    x, _, turned = placed(graph("step>sum sum>plant plant>scope plant>back back>way way>sum.1"))
+    assert turned == {"back", "way"}
+    middle = (x["sum"] + x["plant"]) / 2
+    # 80 px and 50 for each of the two blocks
+    assert [x["back"], x["way"]] == pytest.approx(
+        [middle + 130 * side / 3 for side in (1, -1)], abs=5
+    )

@@ -5,7 +5,6 @@ are what the scopes record, the plain values of all blocks, and what their funct
 the run. What no export can know (docs/pathview.md) is not among them.
 """
 
-import multiprocessing
 import os
 import signal
 import subprocess
@@ -17,7 +16,8 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from how_many import first
 from oracle import assert_equal, first_run
-from strangers import HEAD, SCRIPTS, TAILS
+from scripts_of_tests import HEAD
+from strangers import SCRIPTS, TAILS
 
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
@@ -29,7 +29,6 @@ ORDINARY = (
     "changed: source function replaced",
     "random: Generator already drawn from, used late",
     "random: generator shared with a block",
-    "numpy: float32 in a loop",
     "world: loop of time steps",
 )
 
@@ -69,13 +68,6 @@ def test_two_exports_at_once_and_a_script_that_leaves_its_folder(tmp_path, monke
     assert [m.read_text() for m in models]  # beside their scripts
     assert os.getcwd() == str(tmp_path)
     assert "STRANGE" not in os.environ
-
-
-def test_a_worker_of_a_pool_is_told_that_it_may_have_no_process(tmp_path, monkeypatch):
-    (tmp_path / "a.py").write_text(f"{HEAD}src = Source(np.sin){SRC}", encoding="utf-8")
-    monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)
-    with pytest.raises(AssertionError, match="daemonic processes are not allowed"):
-        export_script(tmp_path / "a.py")
 
 
 @pytest.mark.parametrize(

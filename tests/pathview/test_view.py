@@ -9,15 +9,14 @@ import threading
 import time
 import urllib.error
 import urllib.request
-from pathlib import Path
 
 import pytest
 from models import block, event, model, subsystem
 from served_pathview import Served, page_headers
 
-from pathsim_jsbsim_blocks.errors import BlocksError, DiagramError, ParameterError
+from pathsim_jsbsim_blocks.errors import BlocksError, ParameterError
 from pathsim_jsbsim_blocks.pathview import view
-from pathsim_jsbsim_blocks.pathview.page import local_scripts, registration
+from pathsim_jsbsim_blocks.pathview.page import registration
 from pathsim_jsbsim_blocks.pathview.server import Server
 from pathsim_jsbsim_blocks.pathview.toolboxes import FLIGHT, OURS
 
@@ -76,15 +75,6 @@ def server():
         yield server
 
 
-def test_it_serves_the_model_and_nothing_to_other_names(server):
-    page = page_headers(server.url())
-    assert json.loads(get(f"{server.address}/model/a%20b.pvm", **page)) == {"graph": 1}
-    with pytest.raises(urllib.error.HTTPError, match="404"):
-        get(f"{server.address}/model/other.pvm", **page)
-    with pytest.raises(urllib.error.HTTPError, match="403"):
-        get(server.url(), Host="rebound.example:80")
-
-
 def test_it_listens_on_this_machine_only(server):
     port = int(server.address.rpartition(":")[2])
     others = {i[4][0] for i in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
@@ -122,55 +112,11 @@ def test_this_package_is_always_registered_and_the_models_toolboxes_last():
     assert blocks.keys() == OURS.blocks().keys()
 
 
-@pytest.mark.parametrize(
-    ("target", "error", "message"),
-    [
-        ("no_such_diagram", ParameterError, "no diagram or script 'no_such_diagram'"),
-        ("missing.pvm", DiagramError, "cannot be read"),
-    ],
-)
-def test_what_cannot_be_shown_is_an_error_at_once(target, error, message):
-    with pytest.raises(error, match=message):
-        view(target, browser=False)
-
-
 def test_a_model_with_an_unknown_block_is_not_served(tmp_path):
     path = tmp_path / "model.pvm"
-    path.write_text(
-        json.dumps(
-            {
-                "version": "1.0.0",
-                "graph": {
-                    "nodes": [
-                        {
-                            "id": "a",
-                            "type": "Nothing",
-                            "name": "a",
-                            "inputs": [],
-                            "outputs": [],
-                            "params": {},
-                        }
-                    ]
-                },
-            }
-        )
-    )
+    path.write_text(json.dumps(model(block("a", "Nothing"))))
     with pytest.raises(BlocksError, match="does not know the block 'Nothing'"):
         view(path, browser=False)
-
-
-def test_scripts_that_load_the_style_sheet_are_redirected_here():
-    static = Path(pathview.__file__).parent / "static"
-    cdn = re.compile(r"https://[^\s\"'`]*/katex@")
-    loading = {
-        f"/{file.relative_to(static).as_posix()}"
-        for file in static.rglob("*.js")
-        if cdn.search(file.read_text(encoding="utf-8"))
-    }
-    found = local_scripts(static)
-    assert loading
-    assert loading <= found.keys()
-    assert not any(map(cdn.search, found.values()))
 
 
 def test_opening_the_address_ends_runs_without_a_page_and_no_others(server, monkeypatch):

@@ -1,7 +1,7 @@
 """Whole scripts of users become models that fly as they do; their files are in tests/data/scripts.
 
-One of each kind: nested subsystems, events that set blocks, a module and a package beside the script, files,
-a Jacobian, a steady state, classes, a state machine, adaptive solvers, vectors.
+One of each kind: nested subsystems, events that set blocks, a module beside the script, a file, a
+Jacobian, a steady state, classes, a state machine, vectors.
 """
 
 import shutil
@@ -19,7 +19,7 @@ pytest.importorskip("pathview")
 
 FOLDER = Path(__file__).parents[1] / "data" / "scripts"
 NAMES = sorted(path.stem for path in FOLDER.glob("[0-9]*.py"))
-ALWAYS = ("36_two_tanks_class_sim", "52_thermostat_state_machine", "12_local_module")
+ALWAYS = ("36_two_tanks_class_sim", "52_thermostat_state_machine", "68_local_package")
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # of a script that ends in NaN
