@@ -139,15 +139,6 @@ def test_commands_with_files_of_ones_own_run_one_after_another(session, tmp_path
     assert len(shown) == sum(command.split()[1] == "view" for command in session)
 
 
-def test_the_first_two_commands_set_up_an_environment_of_their_own():
-    # .ci/run takes them from here and runs them on a fresh clone
-    first, second = blocks(PAGES[0], "sh")[:2]
-    for command in (first, second):
-        assert command.startswith("python3 -m venv .venv")
-    assert "pathsim-jsbsim run elevator_doublet" in first
-    assert "pytest" in second
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_links_and_pictures_are_there(page):
     for target in re.findall(
@@ -182,20 +173,8 @@ def test_anchors_are_headings(page):
             assert anchor in {*slugs(other)}, f"{target}#{anchor}"
 
 
-def test_the_readme_begins_with_five_diagrams():
-    text = PAGES[0].read_text(encoding="utf-8")
-    table = [line for line in text.partition("\n## ")[0].splitlines() if line.startswith("| ")]
-    columns = list(zip(*(line.strip("| ").split(" | ") for line in table), strict=True))
-    for name, (script, picture, run, view) in zip(FIVE, columns, strict=True):
-        assert f"](diagrams/published/{name}.py)" in script
-        assert f"](docs/pictures/{name}.png)" in picture
-        assert (run, view) == (f"`pathsim-jsbsim run {name}`", f"`pathsim-jsbsim view {name}`")
-
-
-def test_pages_are_short_enough_to_read():
+def test_how_to_pages_are_short_enough_to_read():
     words = {p.relative_to(ROOT): len(p.read_text(encoding="utf-8").split()) for p in PAGES}
-    assert words[Path("README.md")] <= 900
-    assert sum(words.values()) <= 36_000
     reference = ("evidence", "reference")
     how_to = {p: n for p, n in words.items() if not {*p.parts} & {*reference}}
     assert {p: n for p, n in how_to.items() if n > 1100} == {}
@@ -327,20 +306,6 @@ def test_numbers_of_evidence_are_those_of_their_tables(monkeypatch):
 
 
 TABLES = ("fleet", "fleet-modes", "performance")
-
-
-# limits are published ones, and gains are compared with the tables of the package
-BY_HAND = ("autopilots-limits", "autopilots-gains")
-
-
-@pytest.mark.parametrize(
-    "name", sorted({p.stem for p in (ROOT / "docs" / "evidence").glob("*.csv")} - {*BY_HAND})
-)
-def test_a_table_names_the_commits_that_made_it(name, monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
-    rows = importlib.import_module("generate").read_table(name)
-    assert rows
-    assert [row for row in rows if not re.fullmatch("[0-9a-f]{9}", row["commit"])] == []
 
 
 @pytest.mark.long

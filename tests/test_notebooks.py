@@ -106,23 +106,6 @@ def alike(figure, other):
     return np.abs(figure[:rows] - other[:rows]).max() < 60
 
 
-def test_a_figure_without_its_title_is_not_alike():
-    plt = pytest.importorskip("matplotlib.pyplot")
-    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell()])
-    for title in ("c172p: pitch hold", "", "c172p: pitch hold"):
-        figure, ax = plt.subplots(figsize=(8, 5))
-        ax.plot([0, 1, 4, 9])
-        ax.set_title(title)
-        file = io.BytesIO()
-        figure.savefig(file, dpi=72)
-        plt.close(figure)
-        data = {"image/png": base64.b64encode(file.getvalue()).decode()}
-        notebook.cells[0].outputs.append(nbformat.v4.new_output("display_data", data))
-    first_figure, without, again = thumbnails(notebook)
-    assert alike(first_figure, again)
-    assert not alike(first_figure, without)
-
-
 # that of the chart takes a minute, which its page and its command take too
 NAMES = [n for n in notebooks.names() if n != bounded("11_performance", "")]
 

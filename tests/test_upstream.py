@@ -4,15 +4,12 @@ PathSim's private names have tests of their own (``core/test_pathsim_seam.py``),
 those of loading (``flight/test_sealed.py``) and of properties (``test_bad_input.py``).
 """
 
-import ast
 import importlib
 import os
-import re
 import signal
 import sys
 
 import pytest
-from package_source import nodes
 
 # module, name, file that uses it: each is looked for in its library and in our source
 USED = [
@@ -34,19 +31,6 @@ USED = [
 def test_a_name_beyond_the_documentation_is_there(module, name, file):
     pytest.importorskip(module.partition(".")[0])
     assert hasattr(importlib.import_module(module), name), f"{file} needs {module}.{name}"
-
-
-def test_every_private_import_is_listed():
-    imported = {
-        (node.module, alias.name, file)
-        for file, node in nodes()
-        if isinstance(node, ast.ImportFrom) and not node.level and node.module
-        for alias in node.names
-        if node.module.partition(".")[0] not in ("__future__", "pathsim")
-    }
-    private = re.compile(r"(^|\.)(_|externals\b)")
-    found = {name for name in imported if private.search(".".join(name[:2]))}
-    assert found <= {*USED} <= imported
 
 
 def _ended(_):
