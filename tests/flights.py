@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from pathsim import Connection, Simulation
 from pathsim.blocks import Adder, Scope, Source
+from pymap3d import Ellipsoid
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot, Sensor
 from pathsim_jsbsim_blocks import fly as fly_diagram
 
 T = 1 / 120
+WGS84 = Ellipsoid(6_378_137.0 / 0.3048, 6_356_752.3142 / 0.3048)  # ft
 POINTS = {
     "c172p": {"altitude": 5000.0, "speed": 90.0, "heading": 90.0},
     "737": {"altitude": 10_000.0, "speed": 280.0, "heading": 90.0, "gear": 0.0},

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flights import T, samples
+from flights import WGS84, T, samples
 from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Scope, Source
@@ -32,7 +32,6 @@ from pathsim_jsbsim_blocks import (
     TrimCondition,
     fly,
 )
-from pathsim_jsbsim_blocks.axes.earth import _ellipsoid
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.control.gain_tables import document_of, table
 
@@ -56,7 +55,7 @@ def sampled(block, *rows):
 @pytest.mark.parametrize("course", [0.0, 140.0, 265.0])
 @pytest.mark.parametrize("place", [(46.93, 10.9), (47.05, 11.02), (46.99, 11.1)])
 def test_a_localizer_measures_from_its_course_line(course, place):
-    north, east, _ = geodetic2ned(*place, 0.0, *STATION, 0.0, _ellipsoid())
+    north, east, _ = geodetic2ned(*place, 0.0, *STATION, 0.0, WGS84)
     chi = math.radians(course)
     right = east * math.cos(chi) - north * math.sin(chi)
     before = -north * math.cos(chi) - east * math.sin(chi)
@@ -72,7 +71,7 @@ def test_a_glide_slope_is_a_straight_line_to_its_station(height):
     lat, lon = STATION[0] - 4.0 * NMI, STATION[1]
     receiver = Glideslope(station=STATION, elevation=500.0, angle=3.2)
     degrees, ft, dist = seen(receiver, lat, lon, 500.0 + height)[0]
-    _, elevation, slant = geodetic2aer(lat, lon, 500.0 + height, *STATION, 500.0, _ellipsoid())
+    _, elevation, slant = geodetic2aer(lat, lon, 500.0 + height, *STATION, 500.0, WGS84)
     assert degrees == pytest.approx(elevation - 3.2, abs=0.005)
     level = slant * math.cos(math.radians(elevation))
     assert dist == pytest.approx(level, rel=1e-3)

@@ -10,7 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
-from flights import POINTS, Record, T, samples, wrap
+from flights import POINTS, WGS84, Record, T, samples, wrap
 from how_many import first
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Scope, Source
@@ -27,8 +27,6 @@ from pathsim_jsbsim_blocks import (
     ParameterError,
     fly,
 )
-from pathsim_jsbsim_blocks.axes.earth import _ellipsoid
-from pathsim_jsbsim_blocks.axes.navigation import place
 
 NMI = 1.0 / 60.0  # deg of latitude, nearly
 APPROACH = {
@@ -78,14 +76,14 @@ def level(seconds, hold, lat=0.0, lon=0.0, heading=0.0, **options):
 def ground_course(flight):
     """Course and speed over the ground from the positions, deg and ft/s."""
     lat, lon = flight["lat"], flight["lon"]
-    north, east, _ = geodetic2ned(lat[1:], lon[1:], 0.0, lat[:-1], lon[:-1], 0.0, _ellipsoid())
+    north, east, _ = geodetic2ned(lat[1:], lon[1:], 0.0, lat[:-1], lon[:-1], 0.0, WGS84)
     return np.degrees(np.arctan2(east, north)) % 360.0, np.hypot(north, east) / T
 
 
 def beside(flight, start, end):
     """Cross-track error in ft by the geodesic from the start, for a leg of a few miles."""
-    _, course = vdist(*start, *end, _ellipsoid())
-    out, bearing = vdist(*start, flight["lat"], flight["lon"], _ellipsoid())
+    _, course = vdist(*start, *end, WGS84)
+    out, bearing = vdist(*start, flight["lat"], flight["lon"], WGS84)
     return out * np.sin(np.radians(bearing - course))
 
 
@@ -153,7 +151,7 @@ def test_waypoints_in_wind(name):
         # the block's cross-track error and distance to go are those of the geodesics
         across = beside(here, starts[leg], starts[leg + 1])
         assert np.max(np.abs(across - here["across"])) < 3.0
-        away, _ = vdist(here["lat"][-1], here["lon"][-1], *starts[leg + 1], _ellipsoid())
+        away, _ = vdist(here["lat"][-1], here["lon"][-1], *starts[leg + 1], WGS84)
         assert math.hypot(here["to_go"][-1], here["across"][-1]) == pytest.approx(away, rel=1e-4)
         if not leg:
             continue
@@ -182,7 +180,7 @@ def test_a_leg_is_captured_from_the_side_at_the_intercept_angle():
 def test_a_single_waypoint_is_flown_to_and_beyond():
     there = (0.8 * NMI, 0.8 * NMI)
     flight = level(58.0, CourseHold("c172p", waypoints=[there]))
-    nearest, _ = vdist(flight["lat"], flight["lon"], *there, _ellipsoid())
+    nearest, _ = vdist(flight["lat"], flight["lon"], *there, WGS84)
     assert np.min(nearest) < 60.0
     passed = np.argmin(nearest)
     assert flight["to_go"][passed] == pytest.approx(0.0, abs=30.0)
@@ -236,7 +234,7 @@ def test_glide_slope_from_capture_to_200_ft(name, wind):
     foot = 50.0 / math.tan(math.radians(angle))
     north = threshold[0] + foot / 364_800.0  # ft per deg of latitude at 47 deg
     _, elevation_angle, _ = geodetic2aer(
-        *(flight[key][path] for key in ("lat", "lon", "h")), north, 11.0, elevation, _ellipsoid()
+        *(flight[key][path] for key in ("lat", "lon", "h")), north, 11.0, elevation, WGS84
     )
     assert np.max(np.abs(elevation_angle - angle)) < 0.05
     assert np.max(np.abs(elevation_angle - angle - flight["gs_deg"][path])) < 0.01
@@ -359,7 +357,7 @@ def test_a_turn_allows_for_the_wind(ports, low, high):
 def test_a_waypoint_is_flown_over_on_request():
     route = [(0.02, 0.0), (0.02, 0.06)]
     flight = level(110.0, CourseHold("c172p", waypoints=route, fly_over=[1]))
-    away, _ = vdist(flight["lat"], flight["lon"], *route[0], _ellipsoid())
+    away, _ = vdist(flight["lat"], flight["lon"], *route[0], WGS84)
     assert np.min(away) < 10.0
     turned = np.argmax(flight["leg"] == 1.0)
     assert away[turned] < 5.0
@@ -379,7 +377,7 @@ def test_an_arc_in_wind(side, east):
     hold = CourseHold("c172p", waypoints=route, arcs={1: (*centre, side)})
     flight = level(150.0, hold, wind=(-15.0, 20.0))
     arc = flight["leg"] == 1.0
-    away, _ = vdist(flight["lat"][arc], flight["lon"][arc], *centre, _ellipsoid())
+    away, _ = vdist(flight["lat"][arc], flight["lon"][arc], *centre, WGS84)
     assert np.max(np.abs(away - radius)) < 80.0
     # the block's distance from the arc is that of the geodesics, positive to its right
     assert np.max(np.abs(east * (radius - away) - flight["across"][arc])) < 3.0
@@ -424,25 +422,25 @@ def test_a_wind_that_makes_an_arc_too_tight_is_warned_of_once():
         assert [said in str(w.message) for w in caught] == ([True] if said else [])
 
 
+@pytest.mark.filterwarnings("ignore:CourseHold. the arc of leg")  # of the drift found so far
 @pytest.mark.parametrize("lat", [-89.0, 60.0, 89.5])
 def test_a_holding_pattern_has_its_shape_at_any_latitude(lat):
+    # from the fix once around, by geodesics: half a circle, a straight line, and both again
     course, radius, length = 70.0, 2600.0, 9000.0
-    hold = CourseHold(waypoints=[(lat, 20.0)], holding=(course, "right", radius, length))
-    turn, out, back, inbound = hold._route.legs
-
-    def there(ahead, right):
+    pattern = {"waypoints": [(lat, 20.0)], "holding": (course, "right", radius, length)}
+    hold = CourseHold(**pattern, T=1.0)
+    turn = [np.array([math.sin(x), 1 - math.cos(x)]) * radius for x in np.linspace(0, math.pi, 90)]
+    line = [np.array([-x, 2 * radius]) for x in np.linspace(0.0, length, 90)]
+    far_end = np.array([-length, 2 * radius])
+    around = [*turn, *line, *(far_end - x for x in turn), *(far_end - x for x in line)]
+    rows = []
+    for ahead, right in [(-200.0, 0.0), *around]:
         azimuth = course + math.degrees(math.atan2(right, ahead))
-        end = vreckon(lat, 20.0, math.hypot(ahead, right), azimuth, _ellipsoid())
-        return place(*(math.remainder(float(x), 360.0) for x in end))
-
-    # ft; from geodesics
-    for leg, ahead, right in (
-        (turn, radius * 0.5, radius * (1 - 0.75**0.5)),
-        (out, -0.3 * length, 2 * radius),
-        (back, -length - radius, radius),
-        (inbound, -0.5 * length, 0.0),
-    ):
-        assert leg.track_at(there(ahead, right)).across == pytest.approx(0.0, abs=5.0)
+        there = vreckon(lat, 20.0, math.hypot(ahead, right), azimuth, WGS84)
+        rows.append(dict(zip(("lat", "lon"), map(float, there), strict=True)))
+    flight = list(samples(hold, rows))
+    assert {y["leg"] for y in flight} == {0.0, 1.0, 2.0, 3.0, 4.0}
+    assert max(abs(y["across"]) for y in flight) < 5.0
 
 
 @pytest.mark.long
@@ -455,7 +453,7 @@ def test_a_holding_pattern_is_flown_again_and_again(side):
     assert list(legs[:6]) == [1.0, 2.0, 3.0, 4.0, 1.0, 2.0]
     # the racetrack: two straight lines and two half circles, by geodesics
     turn = 1.0 if side == "right" else -1.0
-    north, east, _ = geodetic2ned(flight["lat"], flight["lon"], 0.0, *fix, 0.0, _ellipsoid())
+    north, east, _ = geodetic2ned(flight["lat"], flight["lon"], 0.0, *fix, 0.0, WGS84)
     straight = np.clip(north, -length, 0.0)
     x, y = north - straight, turn * east - radius
     off = np.hypot(x, y) - radius

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import positive, refuse
+from .._core.checks import one_of, positive, refuse
 from .._core.extras import required
 from .._core.units import GRAVITY, KNOT, RHO0
 from ..errors import BlocksError
@@ -427,6 +427,7 @@ def performance_table(
     jobs: int = -1,
     resume: str | Path | None = None,
     progress: bool = True,
+    parts: Iterable[str] = tuple(_PARTS),
 ) -> pd.DataFrame:
     """Performance of an aircraft: stall, level flight, climb, ceilings, glide, range, turns, V-n.
 
@@ -450,6 +451,9 @@ def performance_table(
     create : dict or "missing", optional
         properties that the model expects from outside, with their values; other missing ones are
         created as 0
+    parts : iterable of str, optional
+        of `level` (level flight, climb, glide and range), `turn`, `V-n`, `ceiling`, `stall` and
+        `field`; default all
 
     Returns
     -------
@@ -475,18 +479,20 @@ def performance_table(
     common: Row = {"aircraft": airframe.aircraft, "root": root, "flaps": None}
     common["create"] = airframe.created
     common |= {"altitude": at[0], "weight": loadings[0]}
-    parts = [{**common, "part": "level", "altitude": h, "weight": w} for w in loadings for h in at]
-    parts += [{**common, "part": part} for part in ("turn", "V-n", "field")]
-    parts += [{**common, "part": "ceiling", "weight": w} for w in loadings]
+    chosen = {one_of("parts", part, _PARTS) for part in parts}
+    tasks = [{**common, "part": "level", "altitude": h, "weight": w} for w in loadings for h in at]
+    tasks += [{**common, "part": part} for part in ("turn", "V-n", "field")]
+    tasks += [{**common, "part": "ceiling", "weight": w} for w in loadings]
     loads = extremes(airframe) if weights is None else loadings
-    parts += [{**common, "part": "stall", "weight": w, "flaps": f} for w in loads for f in settings]
+    tasks += [{**common, "part": "stall", "weight": w, "flaps": f} for w in loads for f in settings]
+    tasks = [task for task in tasks if task["part"] in chosen]
     results = run_parts(
         _work,
-        [[part] for part in parts],
+        [[task] for task in tasks],
         died={"rows": [{"quantity": "all of a part", "reason": WORKER_DIED}]},
-        describe=lambda part: f"{aircraft}: {part['part']} at {part['altitude']:g} ft",
+        describe=lambda task: f"{aircraft}: {task['part']} at {task['altitude']:g} ft",
         title=f"charts of {aircraft}",
-        job=lambda: {"aircraft": aircraft, "parts": parts, **of_models([root])},
+        job=lambda: {"aircraft": aircraft, "parts": tasks, **of_models([root])},
         jobs=jobs,
         resume=resume,
         progress=progress,
