@@ -16,10 +16,19 @@ FLIGHTS = {
 }
 
 
-def open_fdm(aircraft, dt, setup=None):
+# the integrators that this package calls precise
+PRECISE = {
+    "simulation/integrator/rate/rotational": 4,
+    "simulation/integrator/rate/translational": 4,
+    "simulation/integrator/position/rotational": 7,
+    "simulation/integrator/position/translational": 4,
+}
+
+
+def open_fdm(aircraft, dt, setup=None, root=None):
     """A loaded model that opens no socket and writes no file."""
     jsbsim.FGJSBBase().debug_lvl = 0
-    fdm = jsbsim.FGFDMExec(None)
+    fdm = jsbsim.FGFDMExec(root)
     fdm.disable_input()
     fdm.disable_output()
     fdm.set_output_path(os.path.join(os.devnull, "none"))

@@ -2,15 +2,14 @@
 
 import csv
 import functools
-import importlib
 import math
 import random
 from pathlib import Path
 
-import jsbsim
 import numpy as np
 import pytest
 from how_many import first
+from plain_jsbsim import PRECISE, open_fdm
 from scipy.optimize import least_squares
 from test_check_cases import recorded, table
 
@@ -43,19 +42,8 @@ SIGNALS = {
 }
 
 
-def loaded(root=MODELS, name="nesc_f16"):
-    jsbsim.FGJSBBase().debug_lvl = 0
-    fdm = jsbsim.FGFDMExec(str(root))
-    fdm.set_dt(1 / RATE)
-    assert fdm.load_model(name)
-    for state, method in {
-        "rate/rotational": 4,
-        "rate/translational": 4,
-        "position/rotational": 7,
-        "position/translational": 4,
-    }.items():
-        fdm[f"simulation/integrator/{state}"] = method
-    return fdm
+def loaded():
+    return open_fdm("nesc_f16", 1 / RATE, PRECISE, root=MODELS)
 
 
 def begun(fdm, start, alpha, elevator, power, turning=1.0):
@@ -324,10 +312,6 @@ def test_the_models_in_the_package_pass_nasas_check_shots():
         assert checked
 
 
-AROUND = {"V": 900, "alpha": 25, "beta": 20, "altitude": 30000, "power-pct": 60, "h": 10000}
-AROUND |= {"h-cmd": 10000, "keas": 287, "keas-cmd": 287, "psi": 300, "course-cmd": 100}
-
-
 def test_other_rates_and_figures(capsys):
     with pytest.raises(ParameterError) as error:
         fly_case(13.1, rate=100)
@@ -360,12 +344,7 @@ def test_the_roll_loop_needs_100_samples_per_second(rate, swings):
 
 
 @pytest.mark.long
-def test_the_f16_tables_of_the_documentation_are_current(monkeypatch):
-    # after a change: python docs/generate.py accuracy
-    docs = Path(__file__).parents[2] / "docs"
-    monkeypatch.syspath_prepend(docs)
-    generate = importlib.import_module("generate")
-    found = {case: {d.quantity: d for d in compare(case, *flown(case))} for case in F16}
-    assert generate.cases_table(found) in (docs / "evidence" / "accuracy.md").read_text(
-        encoding="utf-8"
-    )
+def test_the_f16_tables_of_the_documentation_are_current(accuracy):
+    generate, page = accuracy
+    distances = {case: {d.quantity: d for d in compare(case, *flown(case))} for case in F16}
+    assert generate.cases_table(distances) in page
