@@ -1,14 +1,11 @@
 """Parameters of an aircraft that are set while it flies: checked at once, flown from its next reset."""
 
 import math
-import os
-import shutil
 import warnings
-from pathlib import Path
 
-import jsbsim
 import numpy as np
 import pytest
+from models_from_outside import changed
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant
 
@@ -197,11 +194,7 @@ def test_a_linear_aircraft_refuses_what_it_cannot_take():
 @pytest.fixture
 def own_model(tmp_path):
     """A root with a model that a test may break, and its file."""
-    root, ours = tmp_path / "root", Path(jsbsim.get_default_root_dir())
-    shutil.copytree(ours / "aircraft/c172p", root / "aircraft/c172p")
-    for folder in ("engine", "systems"):
-        os.symlink(ours / folder, root / folder)
-    return str(root), root / "aircraft/c172p/c172p.xml"
+    return changed(tmp_path, "c172p"), tmp_path / "aircraft/c172p/c172p.xml"
 
 
 def test_a_reset_that_fails_leaves_the_flight_as_it_was(own_model):

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Amplifier, Integrator, Scope, Source
-from pathsim.events import Condition
 from pathsim.solvers import ESDIRK43, RK4, RKBS32, RKCK54, SSPRK22
 from plain_jsbsim import FLIGHTS, fly, trimmed
 
-from pathsim_jsbsim_blocks import DoubletSource, JSBSimFDM
+from pathsim_jsbsim_blocks import JSBSimFDM
 
 pytestmark = pytest.mark.matrix
 
@@ -164,17 +163,6 @@ def test_every_solver(states, solver):
     assert np.max(np.abs(y - loop(u)) / np.abs(y).max(axis=0)) <= 1e-12
 
 
-@pytest.mark.parametrize("count", [2, 120])
-def test_runs_in_pieces(count):
-    fdm = block()
-    scope, sim = wire(fdm, sines())
-    for _ in range(count):
-        sim.run(1.0 / count)
-    u, y = samples(scope)
-    assert len(y) == 121
-    assert np.array_equal(y, loop(u))
-
-
 def test_two_aircraft_at_two_rates():
     slow_T = T * 4
     fast, slow = block(), block("737", T=slow_T, substeps=4)
@@ -274,69 +262,3 @@ def test_feedback_through_algebraic_blocks_has_no_delay():
     law = 0.02 * y[:, 1] + 0.02 * np.sin(math.pi * time)
     assert np.allclose(u[:, 0], law, rtol=0, atol=1e-15 * 100)
     assert np.array_equal(y, loop(u))
-
-
-def test_events_of_other_blocks_do_not_disturb():
-    # a doublet off the sample grid and a condition that is met in flight
-    fdm = block()
-    doublet = DoubletSource(amplitude=0.05, start=0.51234, width=0.3)
-    met = []
-    condition = Condition(lambda t: fdm.outputs["attitude/theta-deg"] > 1.5, met.append)
-    scope, sim = wire(fdm, [doublet, noise(4), noise(5)], events=[condition])
-    sim.run(3.0)
-    u, y = samples(scope)
-    assert met
-    assert np.ptp(u[:, 0]) == pytest.approx(0.1)
-    assert np.array_equal(y, loop(u))
-
-
-def test_a_plain_diagram_acts_in_one_pass_through_the_graph():
-    # pins what the fast way rests on: without continuous states Simulation._blocks_dyn is empty and
-    # a step evaluates the graph once, at its end; any of these absent, the slow way must be taken
-    fdm = block()
-    _, sim = wire(fdm, sines())
-    sim.run(1.0)
-    assert sim._blocks_dyn == []
-    times, update = [], sim._update
-    sim._update = lambda t: (times.append(t), update(t))
-    start = sim.time
-    sim.timestep()
-    assert times == [start + T]
-    for others in ({"others": [Integrator()]}, {"Solver": RKBS32}):
-        other = block()
-        _, sim = wire(other, sines(), **others)
-        sim.run(1.0)
-        assert other.samples == 120
-
-
-def test_switched_off_and_on_again_starts_a_new_flight():
-    fdm = block()
-    _, sim = wire(fdm, sines())
-    sim.run(1.0)
-    fdm.off()
-    sim.run(1.0)
-    fdm.on()
-    sim.run(1.0)
-    assert fdm.samples == 120
-    assert fdm.outputs["simulation/sim-time-sec"] == pytest.approx(1.0, abs=1e-12)
-
-
-@pytest.mark.long
-def test_a_million_samples_are_counted_exactly():
-    # the diagram's clock has drifted by then; the sample count must not have
-    fdm = JSBSimFDM(
-        T=T,
-        aircraft_model="ball",
-        trim_mode="none",
-        trim_altitude=1e5,
-        trim_airspeed=0,
-        output_properties=["simulation/sim-time-sec"],
-    )
-    fdm.advance = lambda index, u: [0.0]  # the count is under test, not the flight
-    sim = Simulation([fdm], dt=T, log=False)
-    sim._update(0.0)
-    step = sim.timestep
-    for _ in range(1_000_000):
-        step()
-    assert abs(sim.time - 1_000_000 * T) > 1e-9
-    assert fdm.samples == 1_000_000

@@ -1,42 +1,12 @@
-"""Parameters of the aircraft blocks that are those of a trim condition or an airframe."""
+"""Parameters and ports of the aircraft blocks: those of the wrapper, and further ones."""
 
 import inspect
-from dataclasses import fields
 
-import pytest
 from pathsim_flight import JSBSimWrapper
 
-from pathsim_jsbsim_blocks import Aircraft, JSBSimFDM, LinearAircraft, TrimCondition
-from pathsim_jsbsim_blocks.flight.airframe import Airframe
+from pathsim_jsbsim_blocks import Aircraft, JSBSimFDM
 
-CONDITION = {f.name: (f.type, f.default) for f in fields(TrimCondition) if f.name != "setup"}
-AIRFRAME = {
-    name: (parameter.annotation, parameter.default)
-    for name, parameter in inspect.signature(Airframe).parameters.items()
-    if name not in ("aircraft", "dt")
-}
 OF_THE_WRAPPER = [*inspect.signature(JSBSimWrapper).parameters]
-
-
-def declared(block):
-    """Fields of a block, with type and default, by the names of a condition and an airframe."""
-    names = {f.name: f.name.removeprefix("trim_") for f in fields(block) if f.init}
-    names |= {"trim_airspeed": "speed", "JSBSim_path": "root"}
-    return {names[f.name]: (f.type, f.default) for f in fields(block) if f.init}
-
-
-@pytest.mark.parametrize(
-    ("block", "count"), [(Aircraft, 20), (JSBSimFDM, 15), (LinearAircraft, 9)], ids=str
-)
-def test_types_and_defaults_are_those_of_the_condition_and_the_airframe(block, count):
-    meant, found = {**CONDITION, **AIRFRAME}, declared(block)
-    common = meant.keys() & found.keys()
-    assert len(common) == count
-    for name in common:
-        if block is JSBSimFDM and name in ("speed", "altitude", "gamma"):
-            assert found[name][0] == meant[name][0], name
-        else:
-            assert found[name] == meant[name], name
 
 
 def test_defaults_of_the_drop_in_are_those_of_the_wrapper():

@@ -7,6 +7,7 @@ from pathlib import Path
 import jsbsim
 import numpy as np
 import pytest
+from models_from_outside import BUNDLED, changed
 from pathsim import Connection, Simulation
 from pathsim.blocks import Scope, Source
 
@@ -28,22 +29,10 @@ COMMANDS = ["fcs/rudder-cmd-norm", "fcs/aileron-cmd-norm"]
 @pytest.fixture(scope="module")
 def script(tmp_path_factory):
     """What JSBSim's own run of its rudder_kick shows after each step, without the 737's port."""
-    installed = Path(jsbsim.get_default_root_dir())
-    root = tmp_path_factory.mktemp("jsbsim")
-    for folder in ("aircraft/737", "scripts"):
-        (root / folder).mkdir(parents=True)
-    for folder in ("engine", "systems"):
-        (root / folder).symlink_to(installed / folder)
-    for file in (installed / "aircraft/737").iterdir():
-        if file.is_file():
-            text = file.read_text(encoding="utf-8", errors="surrogateescape")
-            text = re.sub(r"<input port.*?/>", "", text)
-            (root / "aircraft/737" / file.name).write_text(
-                text, encoding="utf-8", errors="surrogateescape"
-            )
-    fdm = jsbsim.FGFDMExec(str(root))
+    root = changed(tmp_path_factory.mktemp("jsbsim"), "737", ("<input port.*?/>", ""))
+    fdm = jsbsim.FGFDMExec(root)
     fdm.set_debug_level(0)
-    assert fdm.load_script(str(installed / "scripts/rudder_kick.xml"))
+    assert fdm.load_script(str(BUNDLED / "scripts/rudder_kick.xml"))
     assert fdm.run_ic()
     states, commands = [], []
     while fdm.get_sim_time() < 15.0 and fdm.run():

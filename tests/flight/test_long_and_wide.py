@@ -8,7 +8,7 @@ import numpy as np
 import psutil
 import pytest
 from pathsim import Connection, Simulation
-from pathsim.blocks import Scope, Source
+from pathsim.blocks import Scope
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
 
@@ -121,32 +121,6 @@ def test_memory_stays_bounded(flight, count, most):
     )
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) < most
-
-
-def test_six_aircraft_in_one_diagram_fly_as_each_alone():
-    def build(n):
-        planes = [Aircraft("c172p", altitude=5000 + 10 * i, speed=90) for i in range(n)]
-        source = Source(lambda t: 0.02 * np.sin(t))
-        scope = Scope()
-        sim = Simulation(
-            [*planes, source, scope],
-            [
-                Connection(source, *(plane["elevator"] for plane in planes)),
-                *(Connection(plane["theta"], scope[i]) for i, plane in enumerate(planes)),
-            ],
-            dt=T,
-            log=False,
-        )
-        return sim, scope
-
-    many, scope = build(6)
-    many.run(2)
-    one, alone = build(1)
-    one.run(2)
-    theta = scope.read()[1]
-    assert np.array_equal(theta[0], alone.read()[1][0])
-    # each is another flight
-    assert len({row.tobytes() for row in theta}) == 6
 
 
 if __name__ == "__main__":

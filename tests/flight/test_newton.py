@@ -522,16 +522,6 @@ def test_near_the_ground_jsbsims_search_is_not_asked():
     trim(Airframe("737"), low)
 
 
-def test_an_engine_that_does_not_run_is_named():
-    # full rich 10,000 ft up its engine stops; leaned it flies
-    high = TrimCondition(altitude=10000, speed=80)
-    with pytest.raises(TrimError) as error:
-        trim(Airframe("c182"), high)
-    assert (error.value.reason, error.value.engines) == ("mixture", [0])
-    lean = dataclasses.replace(high, setup=error.value.properties)
-    assert trim(Airframe("c182"), lean).throttle[0] < 1.0
-
-
 def test_a_trim_that_does_not_hold_is_warned_of():
     # unstable in pitch, and flown without its pilot
     with pytest.warns(RuntimeWarning, match="does not hold: pitch moves by"):

@@ -1,17 +1,15 @@
 """A reset flies the same flight again, bit for bit, with every aircraft that trims."""
 
-import os
 import random
 import re
-import shutil
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import jsbsim
 import numpy as np
 import pytest
 from fleet_conditions import FLYING, keywords
 from how_many import first
+from models_from_outside import changed
 from pathsim import Connection, Simulation
 from pathsim.blocks import Integrator, Scope
 
@@ -129,13 +127,10 @@ def test_another_simulation_of_the_same_blocks_flies_on(states):
 
 @pytest.mark.filterwarnings("ignore:.*landing gear is down:RuntimeWarning")
 def test_a_reset_does_not_read_the_model_again(monkeypatch, tmp_path):
-    root = tmp_path / "root"
-    shutil.copytree(Path(jsbsim.get_default_root_dir(), "aircraft", "T38"), root / "aircraft/T38")
-    for folder in ("engine", "systems"):
-        os.symlink(Path(jsbsim.get_default_root_dir(), folder), root / folder)
-    model, parse, read = root / "aircraft/T38/T38.xml", ET.parse, []
+    root, model = changed(tmp_path, "T38"), tmp_path / "aircraft/T38/T38.xml"
+    parse, read = ET.parse, []
     monkeypatch.setattr(ET, "parse", lambda file: read.append(file) or parse(file))
-    plane = Aircraft("T38", altitude=5000, speed=223, root=str(root))
+    plane = Aircraft("T38", altitude=5000, speed=223, root=root)
     # its engines' files too: the properties to which it refers
     assert model in read
     read.clear()
@@ -145,7 +140,7 @@ def test_a_reset_does_not_read_the_model_again(monkeypatch, tmp_path):
     # an edited model is another one
     text = model.read_text()
     model.write_text(re.sub(r"<retractable>\s*1\s*<", "<retractable> 0 <", text))
-    assert not has_retractable_gear("T38", root=str(root))
+    assert not has_retractable_gear("T38", root=root)
 
 
 def plane(aircraft):
@@ -266,10 +261,11 @@ def test_wind_place_and_turn_come_back():
         {"latitude": 47.0, "longitude": 8.0, "flaps": 0.5},
     ):
         block = Aircraft("c172p", condition=TrimCondition(speed=90.0, **flight))
-        u = [0.02, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0]
+        u = [0.02, 0.1, 0.0, 0.0, 30.0, 0.0, 0.0]
         first = [block.advance(k, u) for k in range(1, 100)]
         for _ in range(2):
             block.reset()
+            assert block.fdm["atmosphere/gust-north-fps"] == 0.0
             assert [block.advance(k, u) for k in range(1, 100)] == first
 
 
@@ -289,18 +285,14 @@ def test_overridden_air_is_that_of_the_model_again():
 
 
 def test_an_edited_model_is_loaded_at_a_reset(tmp_path):
-    root, ours = tmp_path / "root", Path(jsbsim.get_default_root_dir())
-    for folder in ("aircraft/c172p", "engine"):
-        shutil.copytree(ours / folder, root / folder)
-    os.symlink(ours / "systems", root / "systems")
-    block = Aircraft("c172p", altitude=5000, speed=90, root=str(root))
+    block = Aircraft("c172p", altitude=5000, speed=90, root=changed(tmp_path, "c172p"))
     block.reset()
-    weight, model = block.trim.weight, root / "aircraft/c172p/c172p.xml"
+    weight, model = block.trim.weight, tmp_path / "aircraft/c172p/c172p.xml"
     model.write_text(re.sub(r"(<emptywt[^>]*>)\s*1500", r"\1 1600", model.read_text()))
     block.reset()
     assert block.trim.weight == pytest.approx(weight + 100.0)
     block.reset()
-    throttle, engine = block.trim.throttle, root / "engine/eng_io320.xml"
+    throttle, engine = block.trim.throttle, tmp_path / "engine/eng_io320.xml"
     engine.write_text(re.sub(r"320.0( *</disp)", r"400.0\1", engine.read_text()))
     block.reset()
     assert np.less(block.trim.throttle, throttle).all()

@@ -1,4 +1,4 @@
-"""Wind in flight: the ports of `Aircraft`, JSBSim's gust properties, and the condition's wind."""
+"""Wind in flight: the ports of `Aircraft`, and the condition's wind."""
 
 import math
 
@@ -12,7 +12,6 @@ from pathsim_jsbsim_blocks import (
     Aircraft,
     Autopilot,
     FlightError,
-    JSBSimFDM,
     RampSource,
     TrimCondition,
 )
@@ -50,22 +49,12 @@ def winds(seed):
 
 
 @pytest.mark.parametrize("name", ["c172p", "737"])
-def test_wind_is_bit_for_bit_that_of_a_plain_loop_and_of_the_properties(name):
+def test_wind_is_bit_for_bit_that_of_a_plain_loop(name):
     altitude, speed = FLIGHTS[name]
     values, sources = winds(3)
     expected = fly(trimmed(name, altitude, speed), GUSTS, values, list(SHOWN.values()))
     plane = Aircraft(name, altitude=altitude, speed=speed, gear=1, solver="jsbsim")
     _, data = recorded(plane, SHOWN, *sources, duration=2.0)
-    assert np.array_equal(data.T, expected)
-    fdm = JSBSimFDM(
-        input_properties=GUSTS,
-        output_properties=list(SHOWN.values()),
-        aircraft_model=name,
-        trim_altitude=altitude,
-        trim_airspeed=speed,
-        gear=1,
-    )
-    _, data = recorded(fdm, SHOWN.values(), *winds(3)[1], duration=2.0, ports=GUSTS)
     assert np.array_equal(data.T, expected)
 
 
@@ -96,24 +85,13 @@ def test_a_gust_among_the_properties_stays_where_no_wire_comes_in():
     assert [plane.fdm[name] for name in GUSTS] == [5.0, 0.0, -6.0]
 
 
-def test_a_reset_is_without_wind_again_and_flies_the_same():
-    plane = Aircraft("737", altitude=10000.0, speed=280.0, gear=1)
-    sim, first = recorded(plane, ["h", "vt"], StepSource(30.0, 0.2), duration=1.0)
-    sim.reset()
-    assert plane.fdm[GUSTS[0]] == 0.0
-    scope = next(block for block in sim.blocks if isinstance(block, Scope))
-    sim.run(1.0)
-    assert np.array_equal(scope.read()[1], first)
-    assert first[1].min() < first[1][0] - 25.0  # a tailwind takes airspeed
-
-
 @pytest.mark.parametrize(
     ("port", "value"),
     [("wind_north", math.nan), ("wind_east", math.inf), ("wind_down", math.nan)],
 )
 def test_a_wind_that_is_not_finite_ends_the_flight_by_name(port, value):
     plane = Aircraft("c172p", speed=90.0)
-    with pytest.raises(FlightError, match=port) as error:
+    with pytest.raises(FlightError) as error:
         recorded(plane, ["h"], StepSource(value, 0.1), duration=1.0, ports=[port])
     assert error.value.name == port
 
