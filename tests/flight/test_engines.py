@@ -4,11 +4,11 @@ import dataclasses
 import math
 import re
 
-import jsbsim
 import models_from_outside as outside
 import numpy as np
 import pytest
 from pathsim import Connection, Simulation
+from plain_jsbsim import open_fdm
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
@@ -85,35 +85,29 @@ def test_an_engine_file_that_has_changed_is_read_again(tmp_path):
     assert Airframe("c172x", root=root).engine_list[0].type == "electric"
 
 
-@pytest.mark.parametrize("aircraft", ["c172x", "c310"])
-def test_electric_motors_trim_and_stay(tmp_path, aircraft):
-    make, condition = {
-        "c172x": (outside.electric_single, SINGLE),
-        "c310": (outside.electric_twin, TWIN),
-    }[aircraft]
+@pytest.mark.parametrize(
+    ("aircraft", "make", "condition", "watts"),
+    [
+        ("c172x", outside.electric_single, SINGLE, 120_000.0),
+        ("c310", outside.electric_twin, TWIN, 180_000.0),
+    ],
+)
+def test_electric_motors_trim_and_stay(tmp_path, aircraft, make, condition, watts):
     airframe = Airframe(aircraft, root=make(tmp_path))
     state = trim(airframe, TrimCondition(**condition), fly=10.0)
     assert 0.1 < min(state.throttle) == max(state.throttle) < 1.0
     assert abs(state.drift.height) < 1.0  # ft
     # power is throttle times that of the motor; JSBSim's propeller takes it all
-    watts = {"c172x": 120_000.0, "c310": 180_000.0}[aircraft]
     for name in airframe.of_engines("power-hp"):
         assert airframe.fdm[name] == pytest.approx(state.throttle[0] * watts / 745.7, rel=1e-6)
 
 
 def test_a_motor_trims_as_a_plain_loop_holds_it(single):
     state = trim(Airframe("c172x", root=single), TrimCondition(**SINGLE))
-    fdm = jsbsim.FGFDMExec(single)
-    fdm.disable_input()
-    fdm.set_output_path("/dev/null/none")
-    fdm.load_model("c172x")
-    fdm.disable_output()
+    fdm = open_fdm("c172x", 1 / 120, root=single)
     fdm["ic/h-sl-ft"], fdm["ic/vc-kts"] = SINGLE["altitude"], SINGLE["speed"]
-    fdm["ic/alpha-deg"], fdm["ic/theta-deg"], fdm["ic/phi-deg"] = (
-        state.alpha,
-        state.theta,
-        state.phi,
-    )
+    for angle in ("alpha", "theta", "phi"):
+        fdm[f"ic/{angle}-deg"] = getattr(state, angle)
     fdm["fcs/throttle-cmd-norm"] = state.throttle[0]
     for name in ("pitch-trim", "aileron", "rudder"):
         fdm[f"fcs/{name}-cmd-norm"] = getattr(state, name.replace("-", "_"))
@@ -159,10 +153,16 @@ def test_so_do_motors_in_other_places(tmp_path, aircraft, change, files):
     assert abs(trim(airframe, TrimCondition(**SINGLE), fly=10.0).drift.height) < 1.0  # ft
 
 
-def test_beside_a_motor_a_piston_engine_may_be_off(tmp_path):
+@pytest.fixture
+def mixed(tmp_path):
+    """A c310 with a piston engine, number 0, and a motor."""
     first = r'(<engine file="engIO470D">.*?<engine file=")engIO470D', r"\1motor"
     files = {"engine/motor.xml": outside.ELECTRIC.format(180_000)}
-    airframe = Airframe("c310", root=outside.changed(tmp_path, "c310", first, files=files))
+    return outside.changed(tmp_path, "c310", first, files=files)
+
+
+def test_beside_a_motor_a_piston_engine_may_be_off(mixed):
+    airframe = Airframe("c310", root=mixed)
     off = TrimCondition(altitude=2000, speed=100, gear=0, engines_off=[0])
     state = trim(airframe, off, fly=10.0)
     left, right = (airframe.fdm[name] for name in airframe.of_engines("thrust-lbs"))
@@ -172,14 +172,12 @@ def test_beside_a_motor_a_piston_engine_may_be_off(tmp_path):
         trim(airframe, dataclasses.replace(off, engines_off=[1]))
 
 
-def test_the_excess_of_the_throttle_is_that_of_motors_too(tmp_path):
+def test_the_excess_of_the_throttle_is_that_of_motors_too(mixed):
     # JSBSim marks neither: the motor follows its throttle, the piston engine is off
-    first = r'(<engine file="engIO470D">.*?<engine file=")engIO470D', r"\1motor"
-    files = {"engine/motor.xml": outside.ELECTRIC.format(180_000)}
     plane = Aircraft(
         "c310",
         condition=TrimCondition(altitude=2000, speed=100, gear=0, engines_off=[0]),
-        root=outside.changed(tmp_path, "c310", first, files=files),
+        root=mixed,
         input_properties=["throttle[1]"],
     )
     plane.advance(1, [0.0] * 7 + [1.0])

@@ -142,35 +142,25 @@ def test_nothing_moves_in_a_quarter_of_a_second(aircraft, condition):
 
 
 @pytest.mark.parametrize(
-    ("aircraft", "condition", "reason", "said"),
+    ("aircraft", "condition", "reason"),
     [
-        (
-            "f16",
-            {"altitude": 5000, "speed": 276, "gear": 0, "beta": -5},
-            "rudder",
-            "end of its range, -1",
-        ),
+        ("f16", {"altitude": 5000, "speed": 276, "gear": 0, "beta": -5}, "rudder"),
         # the pitching moment of this model is a sawtooth over the airspeed
-        (
-            "Camel",
-            {"altitude": 5000, "speed": 130, "mode": "glide"},
-            "no equilibrium",
-            r"it does not stay: within 0.25 s of flight vdot reaches 0\.\d+ ft/s2",
-        ),
+        ("Camel", {"altitude": 5000, "speed": 130, "mode": "glide"}, "no equilibrium"),
         # its engines are not running: the propellers start to turn
         pytest.param(
             "L410",
             {"altitude": 5000, "speed": 143, "gear": 0, "mode": "glide"},
             "no equilibrium",
-            "pdot",
             marks=pytest.mark.long,
         ),
     ],
 )
-def test_a_trim_that_does_not_stay_is_an_error(aircraft, condition, reason, said):
-    with pytest.raises(TrimError, match=said) as error:
+def test_a_trim_that_does_not_stay_is_an_error(aircraft, condition, reason):
+    with pytest.raises(TrimError) as error:
         trim(Airframe(aircraft), TrimCondition(**condition), hint=False)
     assert error.value.reason == reason
+    assert error.value.limit == (-1.0 if reason == "rudder" else None)
 
 
 @pytest.mark.parametrize(
@@ -294,8 +284,7 @@ def test_a_pull_up_curves_the_path_by_the_load_factor():
     ],
 )
 def test_a_failure_names_the_limit_and_its_value(aircraft, condition, reason, limit):
-    said = None if limit is None else f", {limit:.4g};"
-    with pytest.raises(TrimError, match=said) as error:
+    with pytest.raises(TrimError) as error:
         trim(Airframe(aircraft), TrimCondition(**condition), hint=False)
     assert error.value.reason == reason
     assert error.value.limit == (limit if limit is None else pytest.approx(limit))
@@ -396,39 +385,15 @@ def test_without_an_engine_there_is_no_level_flight():
     ],
 )
 def test_a_failure_names_the_nearest_speed_that_trims(aircraft, condition):
-    with pytest.raises(TrimError, match=r"It trims at \d+ KCAS there") as error:
+    with pytest.raises(TrimError) as error:
         trim(Airframe(aircraft), TrimCondition(**condition))
     nearest = error.value.nearest
-    assert f"at {nearest.speed:.0f} KCAS" in str(error.value)
     exact = dataclasses.replace(nearest, solver="newton")
     trim(Airframe(aircraft), exact)
     # two knots nearer to what was asked for, it does not
     nearer = nearest.speed - math.copysign(2.0, nearest.speed - condition["speed"])
     with pytest.raises(TrimError):
         trim(Airframe(aircraft), dataclasses.replace(exact, speed=nearer), hint=False)
-
-
-@pytest.mark.parametrize(
-    ("name", "parameter"),
-    [
-        ("ic/theta-deg", "gamma"),
-        ("ic/h-sl-ft", "altitude"),
-        ("ic/vt-fps", "speed"),
-        ("ic/vn-fps", "heading"),
-        ("ic/psi-true-rad", "heading"),
-        ("ic/vw-mag-fps", "wind_north"),
-    ],
-)
-def test_initial_conditions_that_a_trim_overwrites_are_refused(name, parameter):
-    for condition, setup in (
-        (TrimCondition(speed=90, setup={name: 1.0}), None),
-        (TrimCondition(speed=90), {name: 1.0}),
-    ):
-        with pytest.raises(ParameterError, match=f"set .*{parameter}.* of the condition") as error:
-            trim(Airframe("c172p"), condition, setup)
-        assert (error.value.parameter, error.value.value) == ("setup", name)
-    # the way to start without a trim
-    trim(Airframe("c172p"), TrimCondition(speed=90, mode="none", setup={name: 1.0}))
 
 
 def test_a_steady_trim_is_told_from_one_that_departs():

@@ -119,50 +119,53 @@ def test_a_linear_model_shows_the_further_outputs_and_moves_the_fixed_inputs(met
 
 
 @pytest.mark.parametrize(
-    ("options", "error", "said"),
+    ("name", "instead"),
     [
-        ({"input_properties": ["throttle[2]"]}, PropertyError, r"'fcs/throttle-cmd-norm\[2\]'"),
-        ({"input_properties": ["attitude/theta-deg"]}, PropertyError, "cannot be written"),
-        (
-            {"input_properties": ["position/h-sl-ft"]},
-            PropertyError,
-            "JSBSim integrates it.* altitude, latitude and longitude .* trim condition",
-        ),
-        ({"input_properties": ["position/long-gc-rad"]}, PropertyError, "JSBSim integrates it"),
-        (
-            {"input_properties": ["ic/h-sl-ft"]},
-            PropertyError,
-            r"only at the start of a flight.* setup=\{'ic/h-sl-ft': value\}",
-        ),
-        ({"input_properties": ["simulation/dt"]}, PropertyError, "cannot be written"),
-        (
-            {"input_properties": ["fcs/elevator-cmd-norm"]},
-            ParameterError,
-            "but port 'elevator' writes it already",
-        ),
-        (
-            {"input_properties": ["atmosphere/gust-down-fps"]},
-            ParameterError,
-            "but port 'wind_down' writes it already",
-        ),
-        (
-            {"input_properties": ["left_brake", "brakes"]},
-            ParameterError,
-            "lists 'brakes' twice, first as 'left_brake'",
-        ),
-        (
-            {"input_properties": ["throttle[0]", "fcs/throttle-cmd-norm"]},
-            ParameterError,
-            "twice, first as 'throttle",
-        ),
-        ({"output_properties": ["gear", "gear"]}, ParameterError, "lists 'gear' twice"),
-        ({"output_properties": "gear"}, ParameterError, "must be a list of property names"),
-        ({"input_properties": [1]}, ParameterError, r"input_properties\[0\] must be a property"),
+        ("fcs/throttle-cmd-norm[2]", ""),
+        ("attitude/theta-deg", ""),
+        ("simulation/dt", ""),
+        # JSBSim integrates these
+        ("position/h-sl-ft", "altitude, latitude and longitude"),
+        ("position/long-gc-rad", "altitude, latitude and longitude"),
+        # only at the start of a flight
+        ("ic/h-sl-ft", "setup={'ic/h-sl-ft': value}"),
     ],
 )
-def test_names_are_checked_when_the_block_is_built(options, error, said):
-    with pytest.raises(error, match=said):
+def test_what_cannot_be_an_input_is_refused_when_the_block_is_built(name, instead):
+    with pytest.raises(PropertyError) as error:
+        airliner(input_properties=[name])
+    assert error.value.name == name
+    assert instead in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "both"),
+    [
+        ({"input_properties": ["fcs/elevator-cmd-norm"]}, ["elevator"]),
+        ({"input_properties": ["atmosphere/gust-down-fps"]}, ["wind_down"]),
+        ({"input_properties": ["left_brake", "brakes"]}, ["brakes", "left_brake"]),
+        (
+            {"input_properties": ["throttle[0]", "fcs/throttle-cmd-norm"]},
+            ["fcs/throttle-cmd-norm", "throttle[0]"],
+        ),
+        ({"output_properties": ["gear", "gear"]}, ["gear"]),
+    ],
+)
+def test_two_ports_of_one_property_are_refused_by_name(options, both):
+    with pytest.raises(ParameterError) as error:
         airliner(**options)
+    assert error.value.parameter == next(iter(options))
+    assert all(repr(name) in str(error.value) for name in both)
+
+
+@pytest.mark.parametrize(
+    ("options", "value"),
+    [({"output_properties": "gear"}, "gear"), ({"input_properties": [1]}, [1])],
+)
+def test_a_list_of_names_is_required(options, value):
+    with pytest.raises(ParameterError) as error:
+        airliner(**options)
+    assert (error.value.parameter, error.value.value) == (next(iter(options)), value)
 
 
 def test_the_lists_cannot_change():
@@ -184,17 +187,13 @@ def test_the_drop_in_block_refuses_states_as_inputs_too():
     assert error.value.name == "position/h-agl-ft"
 
 
-@pytest.mark.parametrize("name", ["propulsion/engine/thrust-lbs", "velocities/p-rad_sec"])
-def test_a_property_that_is_no_port_yet_is_told_how_it_becomes_one(name):
+@pytest.mark.parametrize(
+    "name", ["propulsion/engine/thrust-lbs", "velocities/p-rad_sec", "h_agl", "flaps"]
+)
+def test_a_property_that_is_no_port_yet_is_refused(name):
     with pytest.raises(ParameterError) as error:
         airliner()[name]
-    assert error.value.parameter == "port"
-    with pytest.raises(ParameterError) as error:
-        airliner()["h_agl"]
-    assert (error.value.parameter, error.value.value) == ("port", "h_agl")
-    with pytest.raises(ParameterError) as error:
-        airliner()["flaps"]
-    assert (error.value.parameter, error.value.value) == ("port", "flaps")
+    assert (error.value.parameter, error.value.value) == ("port", name)
 
 
 @pytest.mark.parametrize(
@@ -206,10 +205,9 @@ def test_a_property_that_is_no_port_yet_is_told_how_it_becomes_one(name):
     ],
 )
 def test_a_misspelt_port_suggests_short_names_too(ports, wrong, right):
-    with pytest.raises(PropertyError, match="has no property") as error:
+    with pytest.raises(PropertyError) as error:
         airliner(**{ports: [wrong]})
     assert error.value.nearest[0] == right
-    assert repr(right) in str(error.value)
 
 
 @pytest.mark.parametrize("parameter", ["input_properties", "output_properties"])

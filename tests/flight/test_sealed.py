@@ -9,7 +9,6 @@ import hashlib
 import json
 import logging
 import os
-import shutil
 import socket
 import subprocess
 import sys
@@ -22,6 +21,7 @@ from pathlib import Path
 import jsbsim
 import pytest
 from fleet_conditions import FLYING
+from models_from_outside import changed
 
 from pathsim_jsbsim_blocks import Aircraft, AircraftError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, empty_weight_cg
@@ -160,22 +160,10 @@ def test_all_models_open_no_socket_write_no_file_and_print_nothing(outside):
     assert report["refused"] == ["blank", "dr1", "fokker50", "Pterosaur"]
 
 
-def own_root(folder, aircraft):
-    """A JSBSim root of one's own with copies of some aircraft."""
-    root = folder / "root"
-    (root / "aircraft").mkdir(parents=True)
-    for part in ("engine", "systems"):
-        (root / part).symlink_to(INSTALLED / part)
-    for name in aircraft:
-        shutil.copytree(INSTALLED / "aircraft" / name, root / "aircraft" / name)
-    return root
-
-
 def test_a_typo_in_ones_own_model_is_answered_with_the_nearest_property(tmp_path):
-    file = own_root(tmp_path, ["c172p"]) / "aircraft" / "c172p" / "c172p.xml"
-    file.write_text(file.read_text().replace("aero/alpha-rad", "aero/alfa-rad", 1))
+    typo = r"\A(.*?)aero/alpha-rad", r"\1aero/alfa-rad"
     with pytest.raises(AircraftError) as caught:
-        Airframe("c172p", root=str(tmp_path / "root"))
+        Airframe("c172p", root=changed(tmp_path, "c172p", typo))
     assert caught.value.missing == ("aero/alfa-rad",)
     assert caught.value.nearest[0] == "aero/alpha-rad"
 
@@ -183,7 +171,9 @@ def test_a_typo_in_ones_own_model_is_answered_with_the_nearest_property(tmp_path
 @pytest.mark.long
 def test_a_root_of_ones_own_stays_as_it_is(outside, tmp_path):
     # with a root given JSBSim writes its files there, not into the current directory
-    root = own_root(tmp_path, WRITERS)
+    root = tmp_path / "root"
+    for name in WRITERS:
+        changed(root, name)
     before = fingerprint(root)
     report, printed, left = outside(
         f"""
@@ -202,9 +192,6 @@ for name in {WRITERS!r}:
 
 @pytest.mark.long
 def test_sealing_goes_on_to_the_last_output(outside, tmp_path):
-    root = own_root(tmp_path, ["c172p"])
-    model = root / "aircraft" / "c172p" / "c172p.xml"
-    text = model.read_text(encoding="utf-8")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
         receiver.bind(("127.0.0.1", 0))
         receiver.setblocking(False)
@@ -214,9 +201,8 @@ def test_sealing_goes_on_to_the_last_output(outside, tmp_path):
             '<output name="127.0.0.1" type="SOCKET" protocol="UDP" rate="1" '
             f'port="{receiver.getsockname()[1]}"/>',
         ]
-        model.write_text(
-            text.replace("</fdm_config>", "".join(outputs) + "</fdm_config>"), encoding="utf-8"
-        )
+        end = "</fdm_config>", "".join(outputs) + "</fdm_config>"
+        root = Path(changed(tmp_path / "root", "c172p", end))
         before = fingerprint(root)
         report, printed, left = outside(
             f"""
@@ -256,20 +242,15 @@ for solver in ("jsbsim", "newton"):
 
 def test_the_network_can_be_allowed(outside, tmp_path):
     # another process may hold the ports that the 737 asks for, so a copy asks for free ones
-    root = own_root(tmp_path, ["737"])
-    model = root / "aircraft" / "737" / "737.xml"
-    text = model.read_text(encoding="utf-8")
     with socket.create_server(("", 0)) as one, socket.create_server(("", 0)) as other:
         tcp, udp = (server.getsockname()[1] for server in (one, other))
-    for theirs, ours in ((5137, tcp), (5139, udp)):
-        assert text.count(f'port="{theirs}"') == 1
-        text = text.replace(f'port="{theirs}"', f'port="{ours}"')
-    model.write_text(text, encoding="utf-8")
+    ports = [(f'port="{theirs}"', f'port="{ours}"') for theirs, ours in ((5137, tcp), (5139, udp))]
+    root = changed(tmp_path / "root", "737", *ports)
     report, printed, _ = outside(
         f"""
 report = []
 for allow in (False, True):
-    fdm = JSBSimFDM(**keywords("737"), JSBSim_path={str(root)!r}, allow_network=allow)
+    fdm = JSBSimFDM(**keywords("737"), JSBSim_path={root!r}, allow_network=allow)
     report.append(sockets())
 """
     )
@@ -442,15 +423,10 @@ report = [sockets() == [["tcp", server.getsockname()[1]]], files()]
 
 
 def test_a_copy_is_removed_even_if_loading_fails(monkeypatch, tmp_path):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    seen = []
-
-    def load(self):
-        seen.extend(os.listdir(tmp_path))
-        raise RuntimeError("no such engine")
-
-    monkeypatch.setattr(Airframe, "_load", load)
-    with pytest.raises(RuntimeError, match="no such engine"):
-        Airframe("global5000", empty_cg_x=700.0)
-    assert len(seen) == 1
-    assert os.listdir(tmp_path) == []
+    broken = "<aerodynamics>", '<system file="nowhere"/><aerodynamics>'
+    root, temporary = changed(tmp_path / "root", "global5000", broken), tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    with pytest.raises(AircraftError):
+        Airframe("global5000", root=root, empty_cg_x=700.0)
+    assert list(temporary.iterdir()) == []

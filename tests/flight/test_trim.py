@@ -228,34 +228,18 @@ def test_the_cg_really_moves_and_the_installed_model_stays():
 
 
 @pytest.mark.parametrize(
-    ("aircraft", "condition", "reason", "text"),
+    ("aircraft", "condition", "reason"),
     [
-        (
-            "737",
-            {"altitude": 15000, "speed": 120, "solver": "jsbsim"},
-            "alpha limit",
-            "alpha reached the end of",
-        ),
+        ("737", {"altitude": 15000, "speed": 120, "solver": "jsbsim"}, "alpha limit"),
         # a wind from behind lifts the tail, a storm from ahead the whole aircraft
-        (
-            "c172p",
-            {"altitude": 0, "mode": "ground", "wind_north": 20},
-            "pitch angle",
-            "the pitch angle reached the end",
-        ),
-        (
-            "c172x",
-            {"altitude": 0, "mode": "ground", "wind_north": -150},
-            "height",
-            "the height reached",
-        ),
+        ("c172p", {"altitude": 0, "mode": "ground", "wind_north": 20}, "pitch angle"),
+        ("c172x", {"altitude": 0, "mode": "ground", "wind_north": -150}, "height"),
     ],
 )
-def test_a_failed_trim_says_why(aircraft, condition, reason, text):
+def test_a_failed_trim_says_why(aircraft, condition, reason):
     condition = TrimCondition(**condition)
-    airframe = Airframe(aircraft)
-    with pytest.raises(TrimError, match=text) as error:
-        trim(airframe, condition)
+    with pytest.raises(TrimError) as error:
+        trim(Airframe(aircraft), condition)
     assert error.value.reason == reason
     assert error.value.condition is condition
     assert error.value.aircraft == aircraft
@@ -321,24 +305,17 @@ def test_a_ground_trim_that_jsbsim_does_not_survive_is_an_error(aircraft, wind):
 
 
 @pytest.mark.parametrize(
-    ("aircraft", "condition", "reason", "text"),
+    ("aircraft", "condition"),
     [
-        (
-            "Short_S23",
-            {"altitude": 2000, "mach": 1.88, "mode": "turn", "bank": 30},
-            "mach",
-            "Mach 1.88: propellers",
-        ),
-        ("c172p", {"altitude": 30000, "speed": 450}, "mach", "propellers"),
+        ("Short_S23", {"altitude": 2000, "mach": 1.88, "mode": "turn", "bank": 30}),
+        ("c172p", {"altitude": 30000, "speed": 450}),
     ],
 )
-def test_what_cannot_be_is_refused_before_the_search(
-    monkeypatch, aircraft, condition, reason, text
-):
+def test_propellers_beyond_mach_1_are_refused_before_the_search(monkeypatch, aircraft, condition):
     monkeypatch.setattr(search, "messages", None)
-    with pytest.raises(TrimError, match=text) as error:
+    with pytest.raises(TrimError) as error:
         found(aircraft, **condition)
-    assert error.value.reason == reason
+    assert error.value.reason == "mach"
 
 
 def test_a_model_without_alpha_limits_has_those_of_jsbsims_trim():  # FGTrimAxis.cpp
