@@ -112,16 +112,9 @@ def test_turbulence(name):
     deviation = {signal: flight[signal] - flight[signal][0] for signal in ("theta", "phi", "vc")}
     deviation["psi"] = wrap(flight["psi"] - flight["psi"][0])
     rms = {signal: np.sqrt(np.mean(y**2)) for signal, y in deviation.items()}
-    saturated = {
-        s: np.mean(flight[s] != 0.0) for s in ("elev_sat", "ail_sat", "rud_sat", "thr_sat")
-    }
-    print(
-        f"{name}: dh {np.max(np.abs(flight['h'] - flight['h'][0])):.1f} ft, rms "
-        + ", ".join(f"{s} {x:.2f}" for s, x in rms.items())
-        + f", saturated {100 * max(saturated.values()):.1f} %"
-    )
     assert np.std(flight["nz"]) > 0.1  # the air does move
-    assert max(saturated.values()) < 0.05
+    for actuator in ("elev_sat", "ail_sat", "rud_sat", "thr_sat"):
+        assert np.mean(flight[actuator] != 0.0) < 0.05, actuator
     assert rms["theta"] < 6.0
     assert rms["phi"] < 5.0
     assert rms["psi"] < 4.0

@@ -23,7 +23,6 @@ from pathsim_jsbsim_blocks import (
     ParameterError,
     PitchHold,
     RollHold,
-    YawDamper,
 )
 from pathsim_jsbsim_blocks.control.gain_tables import (
     TABLES,
@@ -117,32 +116,14 @@ def test_numbers_and_tables_mix_by_loop():
     assert loop_gains({"altitude": "737", "pitch": gentle}, "altitude", "pitch")[1] is gentle
 
 
-@pytest.mark.parametrize(
-    ("hold", "name", "value"),
-    [
-        (PitchHold, "gains", "cessna"),
-        (PitchHold, "authority", -0.1),
-        (PitchHold, "authority", (0.1, 0.2)),
-        (PitchHold, "authority", (-0.1, 0.0, 0.1)),
-        (PitchHold, "theta_ref", "level"),
-        (RollHold, "phi_ref", float("nan")),
-        (HeadingHold, "bank_max", 0.0),
-        (AltitudeHold, "hdot_max", -10.0),
-        (AltitudeHold, "theta_max", -20.0),
-        (AirspeedHold, "vc_ref", [90.0]),
-        (Autopilot, "throttle_authority", "full"),
-        (Autopilot, "psi_ref", "north"),
-        (PitchHold, "reference", "absolut"),
-        (YawDamper, "T", -1.0),
-    ],
-)
-def test_bad_parameters_are_refused_when_built_and_in_flight(hold, name, value):
-    with pytest.raises(ParameterError):
-        hold(**{name: value})
-    block = hold()
+@pytest.mark.parametrize(("name", "value"), [("gains", "cessna"), ("reference", "absolut")])
+def test_bad_names_are_refused_when_built_and_in_flight(name, value):
+    block = PitchHold()
     before = getattr(block, name)
-    with pytest.raises(ParameterError):
-        setattr(block, name, value)
+    for act in (lambda: PitchHold(**{name: value}), lambda: setattr(block, name, value)):
+        with pytest.raises(ParameterError) as error:
+            act()
+        assert (error.value.parameter, error.value.value) == (name, value)
     assert getattr(block, name) == before
 
 

@@ -43,7 +43,6 @@ from pathsim_jsbsim_blocks import (
     VerticalSpeedHold,
     YawDamper,
 )
-from pathsim_jsbsim_blocks.control.loops import wrap
 from pathsim_jsbsim_blocks.guidance.protection import share_of_climb
 
 
@@ -478,20 +477,3 @@ def test_the_autopilot_gives_up_a_climb_for_its_airspeed():
         )
         assert y["hdot_cmd"][n - 1] == pytest.approx(np.sign(port) * 8.0)
         assert y["hdot_cmd"][-1] == pytest.approx(hdot)
-
-
-@pytest.mark.parametrize(
-    ("angle", "same"),
-    [
-        (0.0, 0.0),
-        (180.0, -180.0),
-        (-180.0, -180.0),
-        (179.0, 179.0),
-        (181.0, -179.0),
-        (-181.0, 179.0),
-        (725.0, 5.0),
-        (-725.0, -5.0),
-    ],
-)
-def test_wrap(angle, same):
-    assert wrap(angle) == same

@@ -55,13 +55,6 @@ def test_a_first_order_lag_between_its_samples():
     assert found.steady_error == pytest.approx(10.0 * math.exp(-9.0))
 
 
-@pytest.mark.parametrize("damping", [0.2, 0.5, 0.7])
-def test_overshoot_of_the_textbook(damping):
-    found = response_quality(TIME, second_order(damping, 1.0), 1.0)
-    expected = 100.0 * math.exp(-math.pi * damping / math.sqrt(1.0 - damping**2))
-    assert found.overshoot_percent == pytest.approx(expected, abs=1e-4)
-
-
 def test_a_step_down_and_in_other_units_is_the_same():
     y = second_order(0.3, 1.0)
     up = response_quality(TIME, y, 1.0)

@@ -18,7 +18,6 @@ from pathsim_jsbsim_blocks.design import DesignedGains, design_gains
 from pathsim_jsbsim_blocks.design.envelope import envelope
 from pathsim_jsbsim_blocks.design.requirements import MARGINS, requirements_table
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
-from pathsim_jsbsim_blocks.errors import DesignError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe
 
 designed_module = sys.modules["pathsim_jsbsim_blocks.design.designed"]
@@ -88,21 +87,6 @@ def test_a_hold_takes_them_as_they_are(designed):
     text = str(designed)
     assert designed.aircraft in text
     assert all(row.loop in text for row in designed.report)
-
-
-@pytest.mark.long
-def test_hysteresis_of_the_elevator_is_refused():
-    there, create = condition("c172x")
-    with pytest.raises(DesignError) as error:
-        design_gains("c172x", there, create=create)
-    assert error.value.aircraft == "c172x"
-    assert error.value.reason == "no response"
-    assert error.value.loop == "pitch"
-
-
-def test_an_aircraft_that_does_not_trim_is_refused():
-    with pytest.raises(TrimError):
-        design_gains("c172p", TrimCondition(altitude=5000, speed=30))
 
 
 @pytest.mark.long

@@ -30,14 +30,6 @@ def test_any_inputs_keep_the_commands_within_their_authority():
         assert np.all(np.isfinite(y))
 
 
-def test_a_step_of_the_law_is_pure():
-    autopilot = Autopilot("c172p")
-    u = [float(i) for i in range(len(autopilot.input_port_labels))]
-    state = autopilot.initial_state()
-    assert autopilot.law(u, state) == autopilot.law(u, state)
-    assert state == autopilot.initial_state()
-
-
 def test_unwired_everything_is_quiet():
     # inputs of 0.0 are what PathSim gives to a port that is not wired
     for block in (Autopilot(), PitchHold()):

@@ -27,7 +27,7 @@ from pathsim_jsbsim_blocks import (
     TrimCondition,
     TrimError,
 )
-from pathsim_jsbsim_blocks.control.airspeeds import fastest_airspeed, true_airspeed
+from pathsim_jsbsim_blocks.control.airspeeds import fastest_airspeed
 from pathsim_jsbsim_blocks.control.gain_tables import loop_gains
 from pathsim_jsbsim_blocks.control.gains import EnvelopeLimits
 from pathsim_jsbsim_blocks.control.loops import SpeedLoop
@@ -620,13 +620,6 @@ def test_a_climb_takes_the_throttle_that_the_airspeed_leaves(share, excess):
     spare = excess + stiffness * (vc - 0.96 * 60.0) * 1.68781
     # near its lowest airspeed an aircraft descends to gain the one demanded
     assert found.climb_max == pytest.approx(min(max(lost, -20.0), spare), abs=0.01)
-
-
-def test_true_airspeed():
-    # ISA tables: 1/sqrt(sigma) is 1.0773 at 5000 ft, 1.3700 at 20,000 ft; 1 kt = 1.68781 ft/s
-    assert true_airspeed(100.0, 0.0) == pytest.approx(168.781, rel=1e-5)
-    assert true_airspeed(100.0, 5000.0) == pytest.approx(168.781 * 1.0773, rel=1e-4)
-    assert true_airspeed(100.0, 20_000.0) == pytest.approx(168.781 * 1.3700, rel=1e-4)
 
 
 def test_the_highest_airspeed_is_the_lower_of_two():

@@ -113,18 +113,6 @@ def test_a_sampled_loop_has_the_margins_of_its_difference_equation(late):
         assert own.disk_phase_margin == pytest.approx(disk_phase, rel=1e-3)
 
 
-def test_a_delay_of_the_delay_margin_leaves_no_phase():
-    own = margins(lag(), Roller())
-    late = own.response * np.exp(-1j * own.omega * own.delay_margin)
-    assert margins(control.frd(late, own.omega)).phase_margin == pytest.approx(0.0, abs=0.01)
-
-
-def test_a_gain_of_the_gain_margin_leaves_no_distance():
-    own = margins(lag(), Roller())
-    more = own.response * 10 ** (own.gain_margin / 20)
-    assert np.abs(1 + more).min() < 0.01
-
-
 def test_a_closed_loop_is_within():
     # L / (1 + inner), as it is written out
     own = margins(lag(), control.ss([], [], [], [[-1.0]]), Roller())

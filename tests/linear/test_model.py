@@ -19,7 +19,6 @@ from pathsim_jsbsim_blocks import (
     LinearisationError,
     ParameterError,
     TrimCondition,
-    TrimError,
 )
 from pathsim_jsbsim_blocks.flight import linear_model
 from pathsim_jsbsim_blocks.linear import LinearModel
@@ -277,15 +276,6 @@ def test_a_closed_throttle_is_refused(inputs):
     assert (caught.value.reason, caught.value.name) == ("limit", "throttle")
 
 
-def test_an_input_without_response_is_refused():
-    # the elevator of this model has a hysteresis wider than the pulse
-    with pytest.raises(LinearisationError) as caught:
-        plane("c172x").linear_model(inputs=["elevator"])
-    assert caught.value.reason == "no response"
-    assert caught.value.name == "elevator"
-    assert caught.value.servos == {"fcs/elevator-actuator": 0.05}
-
-
 def test_without_inputs_there_is_only_the_algebraic_model():
     block = plane("737")
     with pytest.raises(LinearisationError) as error:
@@ -293,12 +283,6 @@ def test_without_inputs_there_is_only_the_algebraic_model():
     assert error.value.reason == "no response"
     model = block.linear_model("algebraic", inputs=[])
     assert model.B.shape == (len(model.states), 0)
-
-
-def test_kinks_are_told():
-    with pytest.warns(RuntimeWarning, match=r"A320: the response of \w+ to aileron is not linear"):
-        model = plane("A320").linear_model(inputs=["aileron"])
-    assert np.nanmax(model.kinks) > 0.1
 
 
 def test_the_kinks_of_linear_surfaces_are_none():
@@ -358,7 +342,6 @@ def test_an_aircraft_without_engines_has_no_throttle():
         assert np.any(model.B, axis=0).all()
     with pytest.raises(LinearisationError) as caught:
         linear_model("SGS", glide, inputs=["elevator", "throttle"])
-    assert caught.value.name == "throttle"
     assert (caught.value.reason, caught.value.name) == ("no response", "throttle")
     block = LinearAircraft("SGS", condition=glide, method="algebraic")
     assert block["throttle"].ports
@@ -381,21 +364,21 @@ def test_flightgear_sees_none_of_the_pulses():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "text"),
+    ("arguments", "parameter"),
     [
-        ({"method": "flow"}, "method must be one of .*did you mean 'flown'"),
-        ({"inputs": ["elevatr"]}, "there is no 'elevatr'; did you mean 'elevator'"),
-        ({"outputs": ["thetta"]}, "there is no 'thetta'; did you mean 'theta'"),
-        ({"outputs": ["q", "q"]}, "lists a name twice"),
-        ({"inputs": "elevator"}, "inputs must be a list of names"),
-        ({"amplitude": {"elevatr": 1e-3}}, "no input 'elevatr'; did you mean 'elevator'"),
-        ({"amplitude": {"elevator": -1}}, "must be greater than 0"),
-        ({"method": "algebraic", "amplitude": {"elevator": 1e-3}}, "method='flown'"),
+        ({"method": "flow"}, "method"),
+        ({"inputs": ["elevatr"]}, "inputs"),
+        ({"outputs": ["q", "q"]}, "outputs"),
+        ({"inputs": "elevator"}, "inputs"),
+        ({"amplitude": {"elevatr": 1e-3}}, "amplitude"),
+        ({"amplitude": {"elevator": -1}}, "amplitude['elevator']"),
+        ({"method": "algebraic", "amplitude": {"elevator": 1e-3}}, "amplitude"),
     ],
 )
-def test_bad_input(arguments, text):
-    with pytest.raises(ParameterError, match=text):
+def test_bad_input(arguments, parameter):
+    with pytest.raises(ParameterError) as error:
         plane("c172p").linear_model(**arguments)
+    assert error.value.parameter == parameter
 
 
 def test_a_model_is_saved_and_loaded(tmp_path):
@@ -408,46 +391,52 @@ def test_a_model_is_saved_and_loaded(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changed", "text"),
+    "changed",
     [
-        ({"dt": -1}, "dt must be greater than 0"),
-        ({"dt": "0.1"}, "dt must be a number"),
-        ({"latency": [-1, 1, 1, 1]}, "whole periods"),
-        ({"latency": [1.5, 1, 1, 1]}, "whole periods"),
-        ({"u0": [None] * 4}, "u0 must be finite"),
-        ({"inputs": ["elevator"] * 4}, "lists a name twice"),
-        ({"units": 5}, "units must be a dict"),
-        ({"x0": [10**400] * 12}, "x0 must be an array of numbers"),
-        ({"x0": [1e999] * 12}, "x0 must be finite"),
-        ({"fit": [[math.inf] * 4] * 22}, "fit must be finite"),
-        ({"kinks": "text"}, "kinks must be an array of numbers"),
+        {"dt": -1},
+        {"dt": "0.1"},
+        {"latency": [-1, 1, 1, 1]},
+        {"latency": [1.5, 1, 1, 1]},
+        {"u0": [None] * 4},
+        {"inputs": ["elevator"] * 4},
+        {"units": 5},
+        {"x0": [10**400] * 12},
+        {"fit": [[math.inf] * 4] * 22},
     ],
+    ids=lambda changed: next(iter(changed)),
 )
-def test_a_file_that_was_changed_is_refused(tmp_path, changed, text):
+def test_a_file_that_was_changed_is_refused(tmp_path, changed):
     file = tmp_path / "model.json"
     plane("737").linear_model("algebraic").save(file)
     file.write_text(json.dumps({**json.loads(file.read_text()), **changed}))
-    with pytest.raises(ParameterError, match=text):
+    with pytest.raises(ParameterError) as error:
         LinearModel.load(file)
+    assert error.value.parameter == "path"
+    (name,) = changed
+    assert name in str(error.value)
 
 
-def test_bad_inputs_frequencies_and_lags_are_refused():
+def test_bad_arguments_of_a_model_are_refused_in_one_line():
     model = plane("737").linear_model("algebraic")
-    for u in (np.zeros(4), np.zeros((5, 3)), np.full((5, 4), math.nan)):
-        with pytest.raises(ParameterError) as error:
-            model.simulate(u)
-        assert error.value.parameter == "u"
-    # heading and position are integrals
-    with pytest.raises(ParameterError) as error:
-        model.frequency_response([0.0])
-    assert error.value.parameter == "omega"
-    with pytest.raises(ParameterError) as error:
-        model.frequency_response(1.0)
-    assert error.value.parameter == "omega"
-    for tau in (-1.0, [0.1, 0.2], math.nan):
-        with pytest.raises(ParameterError) as error:
-            model.with_lags(tau)
-        assert error.value.parameter == "tau"
+    bad = {
+        model.simulate: (
+            "u",
+            np.zeros(600),
+            np.zeros((4, 600)),
+            np.full((5, 4), math.nan),
+            [["x"]],
+        ),
+        # heading and position are integrals
+        model.frequency_response: ("omega", [0.0], 1.0),
+        model.with_lags: ("tau", -1.0, [0.1, 0.2], math.nan),
+        model.to_control: ("pade", -1, 1.5, None),
+    }
+    for method, (parameter, *values) in bad.items():
+        for value in values:
+            with pytest.raises(ParameterError) as error:
+                method(value)
+            assert error.value.parameter == parameter
+            assert len(str(error.value)) < 250
 
 
 @pytest.mark.parametrize("method", ["flown", "algebraic"])
@@ -489,7 +478,6 @@ def test_a_period_that_hides_the_short_period_is_refused():
     with pytest.raises(LinearisationError) as caught:
         plane("c172p", T=1.0, substeps=120).linear_model()
     assert caught.value.reason == "no fit"
-    assert caught.value.reason == "no fit"
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[1]", '{"format": "another"}', "[" * 100_000])
@@ -523,13 +511,6 @@ def test_python_control_takes_it_with_its_delay(order):
     assert system(4j) == pytest.approx(wanted, rel=1e-6)
 
 
-@pytest.mark.parametrize("order", [-1, 1.5, None])
-def test_an_order_that_cannot_be_is_refused(order):
-    with pytest.raises(ParameterError) as refused:
-        plane("737").linear_model("algebraic").to_control(order)
-    assert refused.value.parameter == "pade"
-
-
 def test_the_block_flies_beside_the_aircraft():
     from pathsim import Connection, Simulation
     from pathsim.blocks import Scope
@@ -556,17 +537,6 @@ def test_the_block_flies_beside_the_aircraft():
     _, (one, other) = scope.read()
     assert np.ptp(one) > 0.3
     assert np.abs(one - other).max() < 0.02 * np.ptp(one)
-
-
-def test_the_process_does_not_die_of_an_aircraft_without_engines():
-    # jsbsim's own FGLinearization ends the process here
-    with pytest.raises(LinearisationError):
-        linear_model("SGS", TrimCondition(altitude=3000, speed=50, mode="none"))
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        with pytest.raises(TrimError) as error:
-            linear_model("SGS", TrimCondition(altitude=3000, speed=50))
-        assert error.value.reason == "thrust"
 
 
 def test_a_position_follows_the_heading_and_the_sideslip():

@@ -221,20 +221,6 @@ def test_a_short_period_of_two_real_poles_has_a_damping_ratio(category, expected
     assert found.level == expected
 
 
-def test_control_anticipation_of_the_short_period_approximation():
-    # n/alpha = V / g (-Z_alpha / V) where the elevator gives no lift
-    z, m_alpha, m_q, V = -1.2, -4.0, -1.5, 500.0
-    A, B = [[z, 1.0], [m_alpha, m_q]], [[0.0], [-6.0]]
-    A = np.block([[np.array(A), np.zeros((2, 1))], [np.zeros((1, 3))]])
-    A[2, 2], A[2, 0] = -0.01, -3.0
-    built = model(A, ("alpha", "q", "vt"), np.vstack([B, [0.0]]), ("elevator",), V)
-    found = {q.name: q.value for q in flying_qualities(built)}
-    frequency2 = z * m_q - m_alpha
-    assert found["control anticipation parameter"] == pytest.approx(
-        frequency2 / (V / 32.174 * -z), rel=1e-6
-    )
-
-
 def test_bad_input():
     built = model(LATERAL, ("beta", "p", "r", "phi"))
     with pytest.raises(ParameterError) as error:

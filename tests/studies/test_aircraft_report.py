@@ -159,11 +159,8 @@ def test_each_bundled_model_has_a_report(aircraft):
 
 # changes after which the c172p does not load
 BROKEN = {
-    "its end": ("</fdm_config>", ""),
-    "metrics": ("<metrics>.*</metrics>", ""),
     "masses": ("<mass_balance>.*</mass_balance>", ""),
     "an engine's file": ('<engine file="[^"]*"', '<engine file="none_such"'),
-    "a propeller's file": ('<thruster file="[^"]*"', '<thruster file="none_such"'),
     "aerodynamics": ("<aerodynamics>.*</aerodynamics>", ""),
     "a number": ("<retractable>.*?</retractable>", "<retractable>yes</retractable>"),
     "XML": ("^.*$", "text"),

@@ -110,41 +110,6 @@ def test_a_second_process_is_refused_and_the_first_goes_on(tmp_path):
     again.file.close()
 
 
-FULL = """
-import resource, sys
-sys.path.insert(0, sys.argv[2])
-from corruptions import run
-from pathsim_jsbsim_blocks.errors import FileError, MissingExtraError
-import signal
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-# the system then refuses to write beyond this size, in the middle of a line
-resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-try:
-    run(resume=sys.argv[1])
-except FileError as error:
-    print(error.path == sys.argv[1], error.reason, error)
-"""
-
-
-@pytest.mark.long
-@pytest.mark.skipif(sys.platform == "win32", reason="no such limit")
-def test_a_disk_that_fills_up_is_named_and_what_fitted_is_kept(tmp_path):
-    path = tmp_path / "thirds.jsonl"
-    done = subprocess.run(
-        [sys.executable, "-c", FULL, str(path), str(Path(__file__).parents[1])],
-        capture_output=True,
-        text=True,
-    )
-    assert done.stderr == ""
-    assert done.stdout.startswith("True File too large cannot write ")
-    assert "it keeps the finished parts" in done.stdout
-    assert path.stat().st_size == 1000
-    journal = Journal(path, KEY)
-    assert 0 < len(journal.finished) < len(PARTS)
-    journal.file.close()
-    assert run(resume=path) == [row for part in PARTS for row in thirds(part)]
-
-
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_a_full_disk_is_named(tmp_path):
     journal = Journal(tmp_path / "thirds.jsonl", KEY)

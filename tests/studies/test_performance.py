@@ -324,7 +324,7 @@ def test_lift_limit_is_a_parabola_that_ends_flat_only_at_the_limit_load_factor()
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("aircraft", ["SGS", "sgs126", "X15"])
+@pytest.mark.parametrize("aircraft", ["sgs126", "X15"])
 def test_the_page_of_the_fleet_is_current(aircraft, monkeypatch):
     docs = Path(__file__).parents[2] / "docs"
     monkeypatch.syspath_prepend(docs)

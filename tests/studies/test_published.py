@@ -5,11 +5,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from pathsim import Connection, Simulation
-from pathsim.blocks import StepSource
 
-from pathsim_jsbsim_blocks import Aircraft, ParameterError, TrimCondition, studies
-from pathsim_jsbsim_blocks.flight import empty_weight_cg
+from pathsim_jsbsim_blocks import ParameterError, studies
 from pathsim_jsbsim_blocks.studies import published
 
 DATA = Path(__file__).parents[1] / "data" / "studies"
@@ -72,40 +69,6 @@ def test_aoa_vs_cas_for_every_weight_cg_and_altitude(tables):
     for _, _, ours, rows in by_case(table, reference):
         compare_aoa(ours, rows)
         same(ours[ours.trimmed].cg_x_in, rows.cg_x_in)
-
-
-@pytest.mark.long
-def test_with_the_cg_aft_light_and_mid_are_unstable_in_trim(tables):
-    table = tables("aoa_vs_cas_loading", wide=True)
-    table = table[table.trimmed & (table.speed_kcas > 169.0)]
-    for (shift, weight, altitude), rows in table.groupby(
-        ["cg_shift_percent", "weight_case", "requested_altitude_ft"]
-    ):
-        if altitude == {-5: 8000, 5: 30000}[shift]:
-            stable = shift == -5 or weight == "heavy"
-            # trailing edge down is positive
-            assert np.all(np.diff(rows.elevator_rad) * (1 if stable else -1) > 0.0)
-            assert (after_a_pulse(shift, weight, altitude) < 0.1) == stable
-
-
-def after_a_pulse(shift, weight, altitude):
-    """Change of alpha in deg 30 s after 0.01 of elevator for 0.5 s, at 200 KCAS."""
-    payload, fuel = published._WEIGHTS[weight]
-    plane = Aircraft(
-        "global5000",
-        condition=TrimCondition(
-            altitude=altitude,
-            speed=200,
-            payload=[payload],
-            fuel=[fuel] * 3,
-            gear=1,
-            empty_cg_x=(1 + shift / 100) * empty_weight_cg("global5000")[0],
-        ),
-    )
-    pulse = StepSource(amplitude=[0.01, 0.0], tau=[0.0, 0.5])
-    sim = Simulation([plane, pulse], [Connection(pulse, plane["elevator"])], dt=1 / 120, log=False)
-    sim.run(30.0)
-    return abs(plane.outputs["alpha"] - plane.trim.alpha)
 
 
 def test_the_six_published_weight_and_cg_cases(monkeypatch):

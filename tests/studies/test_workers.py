@@ -66,12 +66,6 @@ def test_there_are_no_more_workers_than_parts():
     assert time.monotonic() - start < 60
 
 
-# quicker: test_sweep.test_chunk_order_and_workers_do_not_show
-@pytest.mark.long
-def test_rows_come_in_the_order_of_the_points():
-    assert run(squares, PARTS) == SQUARES
-
-
 @pytest.mark.long
 def test_workers_are_in_the_folder_of_their_study(tmp_path, monkeypatch):
     def place(part):
@@ -142,61 +136,6 @@ def test_a_worker_killed_from_outside_costs_nothing(tmp_path):
     with pytest.warns(RuntimeWarning, match=r"computed these points: .*point 3 to point 5"):
         rows = run(work, PARTS)
     assert rows == SQUARES
-
-
-KILLED_AGAIN_AND_AGAIN = """
-import os, random, signal, sys, threading, time
-import pandas as pd
-from tqdm import tqdm
-from pathsim_jsbsim_blocks.studies import trim_sweep
-
-GRID = {"altitude": 15000, "speed": range(160, 460, 75), "gamma": range(-6, 6, 3)}
-
-def sweep(path=None):
-    return trim_sweep("737", GRID, chunk=2, jobs=1, resume=path, progress=False)
-
-def lines(path):
-    return open(path).read().count("\\n") if os.path.exists(path) else 0
-
-# tqdm's default lock is a system semaphore: a child that is killed with it blocks its parent
-tqdm.set_lock(threading.RLock())
-whole = sweep()
-random.seed(1)
-midway = 0
-for i in range(int(sys.argv[2])):
-    path = os.path.join(sys.argv[1], f"{i}.jsonl")
-    wanted = random.randrange(9)  # of one line for the study, one for each of eight chunks
-    child = os.fork()
-    if child == 0:
-        sweep(path)
-        os._exit(0)
-    ended = False
-    while lines(path) < wanted and not ended:
-        time.sleep(0.0005)
-        ended = os.waitpid(child, os.WNOHANG)[0] == child
-    if not ended:
-        time.sleep(random.uniform(0, 0.01))  # a chunk takes as long
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-    midway += 1 < lines(path) < 9
-    pd.testing.assert_frame_equal(sweep(path), whole, check_exact=True)
-print(midway)
-"""
-
-
-@pytest.mark.long
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_sweep_killed_at_a_random_moment_resumes_to_the_identical_table(tmp_path):
-    kills = 20
-    done = subprocess.run(
-        [sys.executable, "-c", KILLED_AGAIN_AND_AGAIN, str(tmp_path), str(kills)],
-        check=True,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    # the others were killed before the first chunk or after the last
-    assert int(done.stdout) >= kills // 4
 
 
 def test_a_resumed_sweep_does_not_repeat_what_is_finished(tmp_path):
