@@ -20,13 +20,14 @@ from pathsim_jsbsim_blocks.pathview.server import Server
 PAGE = 896  # px: as wide as the site shows a picture, so that the editor's labels keep their 8 px
 MARGIN = 12  # px, round the diagram
 SHARPNESS = 1.6  # px of the picture by px of the editor
-PANEL = 280  # px: the plots below a diagram that has run
+PANEL = 292  # px: the plots below a diagram that has run
 RUN = ("pitch_hold",)  # diagrams that are shown with their results
 # the page around the picture has the text, and a picture needs no buttons
 PLAIN = """
     .editor-nav, .panel-toggles, .breadcrumb { display: none !important }
     .svelte-flow__node-annotation { display: none !important }
     .svelte-flow__background { visibility: hidden }
+    g.legend { transform: translate(300px, 25px) }  /* off the curves of pitch_hold */
 """
 
 REPORT = "autopilot_mission"  # the diagram whose flight report is shown
@@ -85,6 +86,10 @@ def take_diagram(page, name):
         page.get_by_text("Simulation completed successfully").wait_for(timeout=180_000)
         page.click("button[aria-label='Console']")
         page.locator(".js-plotly-plot .trace path").first.wait_for(state="attached")
+        page.click("button[aria-label='Plot options']")
+        for legend in page.get_by_title("Show legend").all():
+            legend.click()
+        page.click(".dialog-backdrop", position={"x": 5, "y": 5})
     page.keyboard.press("f")
     page.wait_for_timeout(1000)
     page.add_style_tag(content=PLAIN)

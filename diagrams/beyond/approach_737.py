@@ -88,7 +88,7 @@ def figure():
     path = np.array([0.0, nmi.max()])
     drawing, axes = subplots(4, 1, sharex=True, layout="constrained", figsize=(9, 10))
     axes[0].plot(nmi, altitude, label="aircraft")
-    axes[1].plot(nmi, across, label="right of the line")
+    axes[1].plot(nmi, across, label="right of the centre line")
     axes[1].plot(nmi, above, "--", label="above the glide path")
     axes[2].plot(nmi, psi, label="heading")
     axes[2].plot(nmi, chi, "--", label="course over the ground")

@@ -10,7 +10,7 @@ of the trim. The simulator has no such offset.
 Source: NASA/TM-2015-218675, atmospheric check case 13.1, and the F-16 that NASA published with it.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Constant, Scope, StepSource
 
 from pathsim_jsbsim_blocks import DaveML, JSBSimFDM, TrimCondition
@@ -89,10 +89,13 @@ speed = Scope(labels=["true airspeed [ft/s]"])
 attitude = Scope(labels=["roll angle [deg]", "pitch angle [deg]", "heading [deg]"])
 surfaces = Scope(labels=["elevator [deg]", "aileron [deg]", "rudder [deg]", "power [%]"])
 
-sim = Simulation(
+# the commands to the autopilot, and the trim from which it starts
+COMMANDS = ["on", "throttle", "stick", "altitude", "airspeed", "course", "offset"]
+signals = Interface()
+signals.register_port_map({name: i for i, name in enumerate(COMMANDS)}, {})
+commands = Subsystem(
     [
-        vehicle,
-        laws,
+        signals,
         autopilot_on,
         trim_throttle,
         trim_stick,
@@ -102,6 +105,25 @@ sim = Simulation(
         airspeed_command,
         course_command,
         offset,
+    ],
+    [
+        Connection(autopilot_on, signals["on"]),
+        Connection(trim_throttle, signals["throttle"]),
+        Connection(trim_stick, signals["stick"]),
+        Connection(altitude_command, new_altitude[0]),
+        Connection(altitude_step, new_altitude[1]),
+        Connection(new_altitude, signals["altitude"]),
+        Connection(airspeed_command, signals["airspeed"]),
+        Connection(course_command, signals["course"]),
+        Connection(offset, signals["offset"]),
+    ],
+)
+
+sim = Simulation(
+    [
+        vehicle,
+        commands,
+        laws,
         position,
         speed,
         attitude,
@@ -121,15 +143,13 @@ sim = Simulation(
         Connection(vehicle["velocities/qi-rad_sec"], laws["bodyAngularRate_Pitch"]),
         Connection(vehicle["velocities/ri-rad_sec"], laws["bodyAngularRate_Yaw"]),
         Connection(vehicle["velocities/ve-kts"], laws["equivalentAirspeed"]),
-        Connection(autopilot_on, laws["autopilotOn"]),
-        Connection(trim_throttle, laws["trimThrottle"]),
-        Connection(trim_stick, laws["trimStick"]),
-        Connection(altitude_command, new_altitude[0]),
-        Connection(altitude_step, new_altitude[1]),
-        Connection(new_altitude, laws["altitudeCommand"]),
-        Connection(airspeed_command, laws["airspeedCommand"]),
-        Connection(course_command, laws["courseCommand"]),
-        Connection(offset, laws["lateralOffset"]),
+        Connection(commands["on"], laws["autopilotOn"]),
+        Connection(commands["throttle"], laws["trimThrottle"]),
+        Connection(commands["stick"], laws["trimStick"]),
+        Connection(commands["altitude"], laws["altitudeCommand"]),
+        Connection(commands["airspeed"], laws["airspeedCommand"]),
+        Connection(commands["course"], laws["courseCommand"]),
+        Connection(commands["offset"], laws["lateralOffset"]),
         Connection(laws["elevatorDeflection"], vehicle["nesc_f16/elevator-deg"], surfaces[0]),
         Connection(laws["aileronDeflection"], vehicle["nesc_f16/aileron-deg"], surfaces[1]),
         Connection(laws["rudderDeflection"], vehicle["nesc_f16/rudder-deg"], surfaces[2]),

@@ -9,7 +9,7 @@ in airspeed.
 Source: NASA/TM-2015-218675, atmospheric check case 13.3, and the F-16 that NASA published with it.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Constant, Scope, StepSource
 
 from pathsim_jsbsim_blocks import DaveML, JSBSimFDM, TrimCondition
@@ -88,10 +88,13 @@ speed = Scope(labels=["true airspeed [ft/s]"])
 attitude = Scope(labels=["roll angle [deg]", "pitch angle [deg]", "heading [deg]"])
 surfaces = Scope(labels=["elevator [deg]", "aileron [deg]", "rudder [deg]", "power [%]"])
 
-sim = Simulation(
+# the commands to the autopilot, and the trim from which it starts
+COMMANDS = ["on", "throttle", "stick", "altitude", "airspeed", "course", "offset"]
+signals = Interface()
+signals.register_port_map({name: i for i, name in enumerate(COMMANDS)}, {})
+commands = Subsystem(
     [
-        vehicle,
-        laws,
+        signals,
         autopilot_on,
         trim_throttle,
         trim_stick,
@@ -101,6 +104,25 @@ sim = Simulation(
         course_step,
         new_course,
         offset,
+    ],
+    [
+        Connection(autopilot_on, signals["on"]),
+        Connection(trim_throttle, signals["throttle"]),
+        Connection(trim_stick, signals["stick"]),
+        Connection(altitude_command, signals["altitude"]),
+        Connection(airspeed_command, signals["airspeed"]),
+        Connection(course_command, new_course[0]),
+        Connection(course_step, new_course[1]),
+        Connection(new_course, signals["course"]),
+        Connection(offset, signals["offset"]),
+    ],
+)
+
+sim = Simulation(
+    [
+        vehicle,
+        commands,
+        laws,
         position,
         speed,
         attitude,
@@ -120,15 +142,13 @@ sim = Simulation(
         Connection(vehicle["velocities/qi-rad_sec"], laws["bodyAngularRate_Pitch"]),
         Connection(vehicle["velocities/ri-rad_sec"], laws["bodyAngularRate_Yaw"]),
         Connection(vehicle["velocities/ve-kts"], laws["equivalentAirspeed"]),
-        Connection(autopilot_on, laws["autopilotOn"]),
-        Connection(trim_throttle, laws["trimThrottle"]),
-        Connection(trim_stick, laws["trimStick"]),
-        Connection(altitude_command, laws["altitudeCommand"]),
-        Connection(airspeed_command, laws["airspeedCommand"]),
-        Connection(course_command, new_course[0]),
-        Connection(course_step, new_course[1]),
-        Connection(new_course, laws["courseCommand"]),
-        Connection(offset, laws["lateralOffset"]),
+        Connection(commands["on"], laws["autopilotOn"]),
+        Connection(commands["throttle"], laws["trimThrottle"]),
+        Connection(commands["stick"], laws["trimStick"]),
+        Connection(commands["altitude"], laws["altitudeCommand"]),
+        Connection(commands["airspeed"], laws["airspeedCommand"]),
+        Connection(commands["course"], laws["courseCommand"]),
+        Connection(commands["offset"], laws["lateralOffset"]),
         Connection(laws["elevatorDeflection"], vehicle["nesc_f16/elevator-deg"], surfaces[0]),
         Connection(laws["aileronDeflection"], vehicle["nesc_f16/aileron-deg"], surfaces[1]),
         Connection(laws["rudderDeflection"], vehicle["nesc_f16/rudder-deg"], surfaces[2]),

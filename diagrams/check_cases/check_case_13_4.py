@@ -9,7 +9,7 @@ in airspeed.
 Source: NASA/TM-2015-218675, atmospheric check case 13.4, and the F-16 that NASA published with it.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Adder, Amplifier, Constant, Integrator, Scope, StepSource
 
 from pathsim_jsbsim_blocks import DaveML, JSBSimFDM, TrimCondition
@@ -93,16 +93,35 @@ speed = Scope(labels=["true airspeed [ft/s]"])
 attitude = Scope(labels=["roll angle [deg]", "pitch angle [deg]", "heading [deg]"])
 surfaces = Scope(labels=["elevator [deg]", "aileron [deg]", "rudder [deg]", "power [%]"])
 
-sim = Simulation(
+# the commands to the autopilot, and the trim from which it starts
+COMMANDS = ["on", "throttle", "stick", "altitude", "airspeed", "course"]
+signals = Interface()
+signals.register_port_map({name: i for i, name in enumerate(COMMANDS)}, {})
+commands = Subsystem(
     [
-        vehicle,
-        laws,
+        signals,
         autopilot_on,
         trim_throttle,
         trim_stick,
         altitude_command,
         airspeed_command,
         course_command,
+    ],
+    [
+        Connection(autopilot_on, signals["on"]),
+        Connection(trim_throttle, signals["throttle"]),
+        Connection(trim_stick, signals["stick"]),
+        Connection(altitude_command, signals["altitude"]),
+        Connection(airspeed_command, signals["airspeed"]),
+        Connection(course_command, signals["course"]),
+    ],
+)
+
+sim = Simulation(
+    [
+        vehicle,
+        commands,
+        laws,
         turned,
         across,
         distance,
@@ -129,17 +148,17 @@ sim = Simulation(
         Connection(vehicle["velocities/ve-kts"], laws["equivalentAirspeed"]),
         Connection(vehicle["velocities/v-north-fps"], turned[1]),
         Connection(vehicle["velocities/v-east-fps"], turned[0]),
-        Connection(autopilot_on, laws["autopilotOn"]),
-        Connection(trim_throttle, laws["trimThrottle"]),
-        Connection(trim_stick, laws["trimStick"]),
-        Connection(altitude_command, laws["altitudeCommand"]),
-        Connection(airspeed_command, laws["airspeedCommand"]),
-        Connection(course_command, laws["courseCommand"]),
         Connection(turned, across),
         Connection(across, distance),
         Connection(distance, offset[0]),
         Connection(new_path, offset[1]),
         Connection(offset, laws["lateralOffset"]),
+        Connection(commands["on"], laws["autopilotOn"]),
+        Connection(commands["throttle"], laws["trimThrottle"]),
+        Connection(commands["stick"], laws["trimStick"]),
+        Connection(commands["altitude"], laws["altitudeCommand"]),
+        Connection(commands["airspeed"], laws["airspeedCommand"]),
+        Connection(commands["course"], laws["courseCommand"]),
         Connection(laws["elevatorDeflection"], vehicle["nesc_f16/elevator-deg"], surfaces[0]),
         Connection(laws["aileronDeflection"], vehicle["nesc_f16/aileron-deg"], surfaces[1]),
         Connection(laws["rudderDeflection"], vehicle["nesc_f16/rudder-deg"], surfaces[2]),

@@ -8,7 +8,7 @@ Expected: within 0.01 ft in altitude of simulator 05, 2e-6 deg, and 0.04 deg of 
 Source: NASA/TM-2015-218675, atmospheric check case 16, and the F-16 that NASA published with it.
 """
 
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Constant, Scope
 
 from pathsim_jsbsim_blocks import DaveML, JSBSimFDM, TrimCondition
@@ -85,17 +85,28 @@ speed = Scope(labels=["true airspeed [ft/s]"])
 attitude = Scope(labels=["roll angle [deg]", "pitch angle [deg]", "heading [deg]"])
 surfaces = Scope(labels=["elevator [deg]", "aileron [deg]", "rudder [deg]", "power [%]"])
 
+# the commands to the autopilot, and the trim from which it starts
+COMMANDS = ["on", "throttle", "stick", "altitude", "airspeed"]
+signals = Interface()
+signals.register_port_map({name: i for i, name in enumerate(COMMANDS)}, {})
+commands = Subsystem(
+    [signals, autopilot_on, trim_throttle, trim_stick, altitude_command, airspeed_command],
+    [
+        Connection(autopilot_on, signals["on"]),
+        Connection(trim_throttle, signals["throttle"]),
+        Connection(trim_stick, signals["stick"]),
+        Connection(altitude_command, signals["altitude"]),
+        Connection(airspeed_command, signals["airspeed"]),
+    ],
+)
+
 sim = Simulation(
     [
         vehicle,
+        commands,
         laws,
-        autopilot_on,
-        trim_throttle,
-        trim_stick,
         circle,
         around_pole,
-        altitude_command,
-        airspeed_command,
         position,
         speed,
         attitude,
@@ -115,14 +126,14 @@ sim = Simulation(
         Connection(vehicle["velocities/qi-rad_sec"], laws["bodyAngularRate_Pitch"]),
         Connection(vehicle["velocities/ri-rad_sec"], laws["bodyAngularRate_Yaw"]),
         Connection(vehicle["velocities/ve-kts"], laws["equivalentAirspeed"]),
-        Connection(autopilot_on, laws["autopilotOn"]),
-        Connection(trim_throttle, laws["trimThrottle"]),
-        Connection(trim_stick, laws["trimStick"]),
         Connection(around_pole, circle["circleThePole"]),
         Connection(circle["lateralOffset"], laws["lateralOffset"]),
         Connection(circle["courseCommand"], laws["courseCommand"]),
-        Connection(altitude_command, laws["altitudeCommand"]),
-        Connection(airspeed_command, laws["airspeedCommand"]),
+        Connection(commands["on"], laws["autopilotOn"]),
+        Connection(commands["throttle"], laws["trimThrottle"]),
+        Connection(commands["stick"], laws["trimStick"]),
+        Connection(commands["altitude"], laws["altitudeCommand"]),
+        Connection(commands["airspeed"], laws["airspeedCommand"]),
         Connection(laws["elevatorDeflection"], vehicle["nesc_f16/elevator-deg"], surfaces[0]),
         Connection(laws["aileronDeflection"], vehicle["nesc_f16/aileron-deg"], surfaces[1]),
         Connection(laws["rudderDeflection"], vehicle["nesc_f16/rudder-deg"], surfaces[2]),

@@ -64,7 +64,9 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]], page: float = PAGE) -> L
     """Place the nodes of one level of a diagram; ``page`` is the width of its rows, px."""
     nodes = graph.nodes
     interface = next((i for i, n in enumerate(nodes) if n.type == "Interface"), None)
-    sinks = {i for i, n in enumerate(nodes) if not n.outputs and i != interface}
+    # after a loop, the interface of a subsystem without inputs would widen the row beyond the page
+    loop = _loops(range(len(nodes)), {(w.source, w.target) for w in graph.wires})
+    sinks = {i for i, n in enumerate(nodes) if not n.outputs and not (loop and i == interface)}
     inner = [i for i in range(len(nodes)) if i not in sinks]
     edges = {(w.source, w.target) for w in graph.wires if w.target not in sinks}
     observed = {w.source for w in graph.wires if w.target in sinks}
