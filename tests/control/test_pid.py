@@ -262,3 +262,11 @@ def test_the_integral_is_led_back_in_two_samples_at_the_quickest():
     pid = PID(T, Kp=1e-9, Ki=1.0, high=1.0)
     _, state = pid.sample(PIDState(True, True, integral=3.0), 0.0, 0.0)
     assert state.integral == pytest.approx(2.0, abs=1e-6)  # half of the 2 above the limit
+
+
+def test_gains_not_given_are_0():
+    for state in (PID.START, PID.FROM_REST, PID.holding(0.0)):
+        u, _ = run(PID(T), np.ones(50), np.full(50, 3.0), np.ones(50), state)
+        assert not u.any()
+    u, _ = run(PID(T, Ki=0.6), np.full(50, 3.0), np.ones(50), np.ones(50))
+    assert u == pytest.approx(0.6 * 2.0 * T * np.arange(50), abs=1e-12)

@@ -110,14 +110,6 @@ def test_a_change_of_the_airspeed_does_not_move_the_output(hold, angle):
     assert after[0] == pytest.approx(before[0], abs=1e-9)
 
 
-def test_an_autopilot_flies_on_a_schedule():
-    record = fly(
-        start("737"), 60.0, {"h_ref": step(300.0), "vc_ref": step(-20.0)}, gains=between(0.8, 1.0)
-    )
-    assert record["h"][-1] == pytest.approx(10_300.0, abs=5.0)
-    assert record["vc"][-1] == pytest.approx(260.0, abs=2.0)
-
-
 REFERENCES = [
     (PitchHold, "theta_ref", 3.0),
     (RollHold, "phi_ref", 10.0),
@@ -147,15 +139,13 @@ def test_an_absolute_reference_is_the_parameter(hold, port, value):
 @pytest.mark.parametrize(
     ("hold", "port", "value", "warned"),
     [
-        (AltitudeHold, "h_ref", 5500.0, "5500 ft at h_ref is an increment and commands 10500 ft"),
         # lower than now, and meant as the altitude and the airspeed themselves
         (AltitudeHold, "h_ref", 4500.0, "4500 ft at h_ref is an increment and commands 9500 ft"),
         (AltitudeHold, "h_ref", 3900.0, None),
         (AirspeedHold, "vc_ref", 80.0, "80 kt at vc_ref is an increment and commands 170 kt"),
         (AirspeedHold, "vc_ref", 44.0, None),
         (Autopilot, "h_ref", 5500.0, "Autopilot: 5500 ft at h_ref is an increment"),
-        (Autopilot, "vc_ref", 95.0, "95 kt at vc_ref is an increment and commands 185 kt"),
-        (AirspeedHold, "vc_ref", 95.0, "reference='absolute' the port is the reference"),
+        (Autopilot, "vc_ref", 95.0, "reference='absolute' the port is the reference"),
     ],
 )
 @pytest.mark.parametrize("reference", ["increment", "absolute"])

@@ -21,7 +21,6 @@ from test_navigation import NMI, flown
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
-    AirspeedHold,
     FlareHold,
     Glideslope,
     GlideslopeHold,
@@ -145,32 +144,6 @@ def test_on_request_the_glide_path_is_captured_from_above():
     assert flight["captured"][-1] == 1.0
     assert np.max(np.abs(flight["gs_ft"][-600:])) < 25.0
     assert flight["gs_ft"].min() > -25.0
-
-
-def test_the_glide_slope_hold_follows_a_receiver():
-    away = 1500.0 / math.tan(math.radians(3.0)) + 3000.0
-    station = (away / 362_760.0, 0.0)
-    plane = Aircraft("c172p", altitude=1500.0, speed=80.0)
-    receiver, hold = Glideslope(station=station), GlideslopeHold("c172p")
-    airspeed, heading, scope = AirspeedHold("c172p"), HeadingHold("c172p"), Scope()
-    own = ("h", "hdot", "theta", "q")
-    wires = [
-        Connection(plane["lat", "lon", "h"], receiver["lat", "lon", "h"]),
-        Connection(receiver["deg", "ft", "dist"], hold["gs_deg", "gs_ft", "gs_dist"]),
-        Connection(plane[own], hold[own]),
-        Connection(hold["elevator"], plane["elevator"]),
-        Connection(plane["vc", "hdot"], airspeed["vc", "hdot"]),
-        Connection(airspeed["throttle"], plane["throttle"]),
-        Connection(plane["psi", "phi", "p"], heading["psi", "phi", "p"]),
-        Connection(heading["aileron"], plane["aileron"]),
-        Connection(hold["gs_ft"], scope[0]),
-        Connection(plane["h"], scope[1]),
-    ]
-    # no warning of lat and lon, which the receiver replaces: it would be an error here
-    fly(Simulation([plane, receiver, hold, airspeed, heading, scope], wires, dt=T, log=False), 90.0)
-    _, (above, h) = scope.read()
-    assert h[-1] < 1100.0
-    assert np.max(np.abs(above[-600:])) < 5.0
 
 
 def test_a_wire_from_a_receiver_that_is_missing_is_named():
@@ -344,6 +317,14 @@ def test_flare_roll_out_and_go_around_follow_each_other(heights, ports, expected
     assert [y["phase"] for y in found] == expected
     for y, row in zip(found, rows, strict=True):
         assert y["phase"] > 0.0 or y["elevator"] == row["elevator"]
+
+
+def test_a_flare_that_is_too_long_is_given_up():
+    # at 1 ft per sample, level above the runway
+    rows = [SINKS | {"h_agl": 9.0, "loc_dist": 9e3 - k} for k in range(240)]
+    phases = [y["phase"] for y in samples(FlareHold("c172p", float_max=100.0), rows)]
+    assert set(phases[:100]) == {1.0}
+    assert phases[105] == 3.0
 
 
 def test_a_low_go_around_never_lowers_its_nose():

@@ -104,9 +104,3 @@ def test_an_engine_that_does_not_settle_is_refused(monkeypatch):
     with pytest.raises(LinearisationError) as error:
         plane("c182", 98).linear_model("algebraic")
     assert (error.value.reason, error.value.aircraft) == ("engine", "c182")
-
-
-def test_other_aircraft_settle_at_once(monkeypatch):
-    monkeypatch.setattr(algebraic, "_settle_in_time", None)
-    for name, speed in (("c172p", 90), ("737", 260)):
-        assert plane(name, speed).linear_model("algebraic").aircraft == name
