@@ -132,23 +132,19 @@ def test_the_end_of_an_episode():
         env.step([0.0])
 
 
-@pytest.mark.parametrize("reward", [None, "3", np.nan, -np.inf, True, [1.0], np.array([1.0, 2.0])])
-def test_a_reward_that_is_no_finite_number_is_refused(reward):
-    env = bare(reward=lambda v: reward)
+@pytest.mark.parametrize(
+    ("judge", "answer"),
+    [
+        *(("reward", x) for x in (None, "3", np.nan, -np.inf, True, [1.0], np.array([1.0, 2.0]))),
+        *(("terminated", x) for x in (None, 1, "no", np.array([True, False]), np.nan)),
+    ],
+)
+def test_an_answer_of_a_judge_that_is_none_is_refused(judge, answer):
+    env = bare(**{judge: lambda v: answer})
     env.reset()
     with pytest.raises(ParameterError) as error:
         env.step([0.0])
-    assert error.value.parameter == "reward"
-    assert error.value.value is reward
-
-
-@pytest.mark.parametrize("answer", [None, 1, "no", np.array([True, False]), np.nan])
-def test_an_end_that_is_no_truth_value_is_refused(answer):
-    env = bare(terminated=lambda v: answer)
-    env.reset()
-    with pytest.raises(ParameterError) as error:
-        env.step([0.0])
-    assert error.value.parameter == "terminated"
+    assert error.value.parameter == judge
     assert error.value.value is answer
 
 

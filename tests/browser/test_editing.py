@@ -61,11 +61,7 @@ def test_a_parameter_changed_between_run_and_continue_takes_effect(loop, editor)
     # with the old gain y would be 1 - e^(-0.5 t)
     assert abs(recorded[0][-1] - (1.0 - np.exp(-2.0))) > 0.05
 
-
-@pytest.mark.long
-def test_a_bad_parameter_is_reported_and_the_run_goes_on_with_the_old_value(loop, editor):
-    editor.open("loop.pvm")
-    editor.run()
+    # a bad one is reported, and the run goes on with the old value
     editor.page.fill("#pinned-controller-Kp", '"steep"')
     assert editor.run("Continue") == "Simulation continued successfully"
     assert any("Kp must be a number, not 'steep'" in m for m in editor.messages())

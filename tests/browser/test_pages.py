@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pathview_models import block, model, subsystem
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
@@ -46,18 +47,18 @@ def more_results(editor):
 def test_a_run_ends_with_its_page_and_pages_take_nothing_from_each_other(
     editor, profile, browser, server, models
 ):
-    model = pvm.read(find_diagram("isa_profile").with_suffix(".pvm"))
-    [source] = [node for node in model["graph"]["nodes"] if node["type"] == "Source"]
+    slow = pvm.read(find_diagram("isa_profile").with_suffix(".pvm"))
+    [source] = [node for node in slow["graph"]["nodes"] if node["type"] == "Source"]
     source["params"]["func"] = "lambda t: __import__('time').sleep(0.01) or t"
-    models["slow.pvm"] = model
+    models["slow.pvm"] = slow
     seconds, hours = ({"duration": text} for text in ("5", "20000"))
-    model["simulationSettings"].update(hours)
+    slow["simulationSettings"].update(hours)
     editor.open("slow.pvm")
     editor.page.click("button[aria-label='Run']")
     more_results(editor)
 
     # a second page beside it has a worker of its own
-    model["simulationSettings"].update(seconds)
+    slow["simulationSettings"].update(seconds)
     second = Editor(browser, server.address, server.url, profile)
     second.open("slow.pvm")
     assert second.run() == "Simulation completed successfully"
@@ -76,7 +77,7 @@ def test_a_run_ends_with_its_page_and_pages_take_nothing_from_each_other(
     assert not [text for _, text, _ in third.blocks() if "(missing)" in text]
     assert third.run() == "Simulation completed successfully"
     parameters = {node["id"]: node["params"] for node in saved(third)["graph"]["nodes"]}
-    for node in model["graph"]["nodes"]:
+    for node in slow["graph"]["nodes"]:
         assert node["params"].items() <= parameters[node["id"]].items()
     assert not third.errors
 
@@ -91,23 +92,9 @@ AUTOSAVED = """() => new Promise(answer => {
 
 @pytest.mark.long
 def test_a_diagram_with_an_unknown_block_neither_runs_nor_is_saved(editor, models):
-    aircraft = {
-        "id": "a",
-        "type": "Airship",
-        "name": "airship",
-        "position": {"x": 100, "y": 100},
-        "inputs": [],
-        "outputs": [],
-        "params": {"gas": '"helium"'},
-    }
-    interface = {**aircraft, "id": "i", "type": "Interface", "name": "i", "params": {}}
-    inside = {**interface, "id": "s", "type": "Subsystem", "name": "s"}
-    inside["graph"] = {"nodes": [interface, aircraft], "connections": []}
-    models["airship.pvm"] = {
-        "version": "1.0.0",
-        "metadata": {"name": "airship"},
-        "graph": {"nodes": [inside], "connections": []},
-    }
+    airship = block("airship", "Airship", 0, 0, gas='"helium"')
+    inside = subsystem("s", block("i", "Interface", 0, 0), airship, connections=[])
+    models["airship.pvm"] = model(inside, connections=[])
     said, downloads = [], []
     editor.page.on("dialog", lambda dialog: (said.append(dialog.message), dialog.dismiss()))
     editor.page.on("download", lambda download: downloads.append(download))

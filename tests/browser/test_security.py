@@ -7,6 +7,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from how_many import first
+from pathview_models import block, event, model, wire
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
@@ -24,69 +25,30 @@ def mark(where):
 
 def hostile(*names, notes=()):
     """A model whose texts hold markup: each name is that of a block, its port, a trace and an event."""
-    blocks = [
-        {
-            "id": f"a{i}",
-            "type": "Constant",
-            "name": name,
-            "position": {"x": 100, "y": 100 + 150 * i},
-            "inputs": [],
-            "outputs": [{"id": f"a{i}-output-0", "name": name}],
-            "params": {"value": "1.0"},
-        }
-        for i, name in enumerate(names)
-    ]
-    scope = {
-        "id": "s",
-        "type": "Scope",
-        "name": "s",
-        "position": {"x": 400, "y": 100},
-        "inputs": [{"id": f"s-input-{i}", "name": name} for i, name in enumerate(names)],
-        "outputs": [],
-        "params": {"labels": json.dumps(names)},
-    }
-    wires = [
-        {
-            "id": f"c{i}",
-            "sourceNodeId": f"a{i}",
-            "sourcePortIndex": 0,
-            "targetNodeId": "s",
-            "targetPortIndex": i,
-        }
-        for i in range(len(names))
-    ]
+
+    def at(thing, x, y, **changes):
+        return {**thing, "position": {"x": x, "y": y}, **changes}
+
+    count = len(names)
+    scope = block("s", "Scope", count, 0, labels=json.dumps(names))
+    for port, name in zip(scope["inputs"], names, strict=True):
+        port["name"] = name
+    blocks, events = [], []
+    for i, name in enumerate(names):
+        port = {"id": f"a{i}-output-0", "name": name}
+        constant = block(f"a{i}", "Constant", value="1.0")
+        blocks.append(at(constant, 100, 100 + 150 * i, name=name, outputs=[port]))
+        crossing = event(name, "pathsim.events.ZeroCrossing", func_evt="lambda t: t - 0.5")
+        events.append(at(crossing, 700, 300 + 150 * i, id=f"e{i}"))
     annotations = [
-        {
-            "id": f"n{i}",
-            "content": note,
-            "position": {"x": 0, "y": -200 - 150 * i},
-            "width": 300,
-            "height": 100,
-        }
+        at({"id": f"n{i}", "content": note, "width": 300, "height": 100}, 0, -200 - 150 * i)
         for i, note in enumerate([*notes, *names])
     ]
-    events = [
-        {
-            "id": f"e{i}",
-            "type": "pathsim.events.ZeroCrossing",
-            "name": name,
-            "position": {"x": 700, "y": 300 + 150 * i},
-            "params": {"func_evt": "lambda t: t - 0.5", "func_act": "None"},
-        }
-        for i, name in enumerate(names)
-    ]
-    return {
-        "version": "1.0.0",
-        "metadata": {"name": names[0]},
-        "graph": {
-            "nodes": [*blocks, scope],
-            "connections": wires,
-            "annotations": annotations,
-        },
-        "events": events,
-        "codeContext": {"code": ""},
-        "simulationSettings": {"duration": "1.0", "dt": "0.1"},
-    }
+    wires = [wire(f"a{i}", "s", into=i) for i in range(count)]
+    content = model(
+        *blocks, at(scope, 400, 100), connections=wires, annotations=annotations, events=events
+    )
+    return {**content, "simulationSettings": {"duration": "1.0", "dt": "0.1"}}
 
 
 class Elsewhere:
@@ -126,7 +88,7 @@ def elsewhere(request):
 
 
 @pytest.fixture
-def model(models):
+def oscillator(models):
     models["sine.pvm"] = pvm.read(find_diagram("damped_oscillator").with_suffix(".pvm"))
     return "sine.pvm"
 
@@ -172,13 +134,13 @@ def test_a_model_opened_in_the_page_runs_nothing(editor, models, tmp_path):
 
 
 @pytest.mark.long
-def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, tmp_path):
+def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, oscillator, tmp_path):
     where = tmp_path / "ran"
     editor.page.unroute_all()
-    editor.open(model)
+    editor.open(oscillator)
     session = editor.page.evaluate("localStorage.getItem('flask-session-id')") + "-0"
     code = json.dumps({"id": "x", "code": f"open({str(where)!r}, 'w').close()"})
-    elsewhere.pages["/attack"] = f"""<iframe src="{editor.url(model)}"></iframe>
+    elsewhere.pages["/attack"] = f"""<iframe src="{editor.url(oscillator)}"></iframe>
         <iframe src="{editor.address}/editor"></iframe>
         <form method=post target=_blank enctype=text/plain action="{editor.address}/api/exec">
         <input name='{code[:-1]}, "a": "' value='"}}'></form>
@@ -193,7 +155,7 @@ def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, model, 
                                 method: "POST", credentials: "include", mode, headers, body}});
                             out.push(answer.type + await answer.text());
                         }} catch {{}}
-            try {{ out.push(await (await fetch("{editor.address}/model/{model}",
+            try {{ out.push(await (await fetch("{editor.address}/model/{oscillator}",
                 {{credentials: "include"}})).text()); }} catch {{}}
             document.forms[0].submit();
             return out;

@@ -12,7 +12,7 @@ from pathlib import Path
 from urllib.parse import quote, urlsplit
 
 import pytest
-from models import block, event, model, subsystem
+from pathview_models import block, event, model, subsystem
 from served_pathview import page_headers
 
 from pathsim_jsbsim_blocks.errors import DiagramError

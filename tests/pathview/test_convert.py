@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 import pytest
-from models import block, event, model, subsystem, wire
+from pathview_models import block, event, model, subsystem, wire
 
 from pathsim_jsbsim_blocks.errors import DiagramError, MissingExtraError, ParameterError
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script, view

@@ -14,7 +14,7 @@ import sys
 import warnings
 
 import pytest
-from models import block, event, model, subsystem, wire
+from pathview_models import block, event, model, subsystem, wire
 
 from pathsim_jsbsim_blocks.errors import BlocksError
 from pathsim_jsbsim_blocks.pathview import convert_model

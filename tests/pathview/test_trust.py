@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from models import block, model
+from pathview_models import block, model
 
 from pathsim_jsbsim_blocks import cli
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram

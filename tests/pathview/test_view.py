@@ -11,7 +11,7 @@ import urllib.error
 import urllib.request
 
 import pytest
-from models import block, event, model, subsystem
+from pathview_models import block, event, model, subsystem
 from served_pathview import Served, page_headers
 
 from pathsim_jsbsim_blocks.errors import BlocksError, ParameterError
