@@ -16,7 +16,7 @@ with contextlib.redirect_stdout(io.StringIO()) as printed:
     with contextlib.suppress(SystemExit):
         main(["--help"])
     loaded.append(now())
-    import pathsim_jsbsim_blocks.studies
+    import pathsim_jsbsim_blocks.pathview, pathsim_jsbsim_blocks.studies
     main(["trim", "c172p", "--speed", "90"])
     loaded.append(now())
 from pathsim_jsbsim_blocks import Aircraft

@@ -20,8 +20,6 @@ sys.path.append(str(DOCS))
 notebooks = importlib.import_module("notebooks")
 sys.path.remove(str(DOCS))
 
-# those that build a diagram in their cells
-BUILDING = [n for n in notebooks.names() if n[:2] not in ("06", "08", "09", "11")]
 NUMBER = re.compile(r"-?\d[\d,]*\.?\d*(?:e[+-]?\d+)?")
 
 
@@ -43,16 +41,6 @@ def test_a_notebook_has_the_cells_of_its_source(name):
     assert 'pip install ".[course]"' in opening
     assert "pathsim-jsbsim course" in opening
     assert text.count("$$") >= 2
-
-
-@pytest.mark.parametrize("name", BUILDING)
-def test_a_chapter_builds_its_diagram_before_it_loads_one(name):
-    text = (notebooks.FOLDER / f"{name}.py").read_text(encoding="utf-8")
-    before, _, after = text.partition("## The shorter way")
-    assert "Simulation(" in before
-    assert "load_diagram" not in before
-    assert "load_diagram(" in after
-    assert re.search(r"!\[[^\]]+\]\(figures/\w+\.svg\)", before)
 
 
 def test_every_block_picture_is_in_a_chapter():

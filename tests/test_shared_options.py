@@ -101,14 +101,3 @@ def test_trust_opens_a_model_from_outside(command, tmp_path, monkeypatch):
     assert not (tmp_path / "executed").exists()
     assert main([command, "model.pvm", "--trust"]) == 0
     assert opened or (tmp_path / "executed").exists()
-
-
-def test_the_help_has_each_command_once_in_its_group(capsys):
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    lines = capsys.readouterr().out.splitlines()
-    groups = ["fly:", "look:", "study:", "exchange:"]
-    assert [line for line in lines if line in groups] == groups
-    shown = [line.split()[0] for line in lines if line.startswith("  ") and line[2].isalpha()]
-    assert shown[: len(actions.choices)] == [*actions.choices]
-    assert shown[:2] == ["run", "view"]

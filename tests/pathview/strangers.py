@@ -56,6 +56,17 @@ def setup():
     LIMIT = 0.25
 setup()
 src = Source(lambda t: min(t, LIMIT))
+## changed: global that an event deletes and sets -> equal
+n = 0.0
+def count(t):
+    global n
+    before = n
+    del n
+    n = before + 1.0
+src, scope = Source(lambda t: n * t), Scope()
+tick = Schedule(t_period=0.1, func_act=count)
+sim = Simulation([src, scope], [Connection(src, scope)], [tick], dt=0.05, log=False)
+sim.run(0.5)
 ## changed: function chosen by a block -> refused +SRC
 def limit():
     return 5.0

@@ -367,19 +367,12 @@ def position(x):
 DAMAGED = {
     "empty node": (changed("graph", nodes=[{}]), "graph.nodes[0].id is missing"),
     "type": (changed("graph", "nodes", 1, type=3), "graph.nodes[1].type must be text, not 3"),
-    "params": (
-        changed("graph", "nodes", 0, params=[1]),
-        "graph.nodes[0].params must be an object, not [1]",
-    ),
-    "ports": (changed("graph", "nodes", 0, inputs=3), "graph.nodes[0].inputs must be a list"),
     "in a subsystem": (model(subsystem("S", {})), "graph.nodes[0].graph.nodes[0].id is missing"),
     "port number": (
         changed("graph", connections=[wire("Step", "Out", True)]),
         "graph.connections[0].sourcePortIndex must be a whole number, not True",
     ),
     "events": ({**MODEL, "events": "tick"}, "events must be a list, not 'tick'"),
-    "code": (changed("codeContext", code=["x"]), "codeContext.code must be text, not ['x']"),
-    "solver": (changed("simulationSettings", solver=5), "simulationSettings.solver must be text"),
     "position": (position("a"), "graph.nodes[0].position.x must be a coordinate, not 'a'"),
     "nowhere": (position(float("nan")), "graph.nodes[0].position.x must be a coordinate, not nan"),
 }

@@ -530,13 +530,3 @@ def test_functions_of_the_shared_generators_under_other_names(export):
     parts = "a, b = Source(lambda t: normal()), Source(lambda t: gauss(0, 1))"
     text = code(export(script(parts, names="a, b", before=before, after="sim.run(0.1)")))
     assert text == "import random\nnp.random.seed(4)"
-
-
-def test_functions_that_draw_from_a_seeded_generator(written, export):
-    text = HEAD + (
-        "np.random.seed(2)\na = Source(lambda t: np.random.rand())\n"
-        "sim = Simulation([a], [], log=False)\nsim.run(0.1)"
-    )
-    assert code(written(text)) == "np.random.seed(2)"
-    with pytest.raises(DiagramError, match="'a' behaves differently in the model"):
-        export(text.replace("a = ", "unused = np.random.rand()\na = "))

@@ -131,34 +131,6 @@ def test_pathviews_own_examples(name, part, tmp_path, monkeypatch):
     assert_identical(*(traces(path, monkeypatch, part=part) for path in (script, again)))
 
 
-@pytest.mark.parametrize("change", ["n += 1", "del n; n = 7"])
-def test_a_global_that_an_event_changes(change, tmp_path):
-    path = tmp_path / "counter.py"
-    path.write_text(
-        f"""
-from pathsim import Simulation
-from pathsim.blocks import Constant
-from pathsim.events import Schedule
-
-n = 0
-def count(t):
-    global n
-    {change}
-
-one = Constant(1.0)
-tick = Schedule(t_period=0.1, func_act=count)
-sim = Simulation([one], [], [tick], dt=0.01, log=False)
-sim.run(0.55)
-""",
-        encoding="utf-8",
-    )
-    namespaces = []
-    for script in (path, convert_model(export_script(path), tmp_path / "again.py")):
-        namespaces.append(Script(script).namespace)
-        namespaces[-1]["sim"].run(0.55)
-    assert namespaces[0]["n"] == namespaces[1]["n"] > 0
-
-
 def _count(graph):
     inner = [_count(n["graph"]) for n in graph["nodes"] if "graph" in n]
     return (
