@@ -16,9 +16,10 @@ with contextlib.redirect_stdout(io.StringIO()) as printed:
     with contextlib.suppress(SystemExit):
         main(["--help"])
     loaded.append(now())
-    import pathsim_jsbsim_blocks.pathview, pathsim_jsbsim_blocks.studies
+    import pathsim_jsbsim_blocks.studies
     main(["trim", "c172p", "--speed", "90"])
     loaded.append(now())
+import pathsim_jsbsim_blocks.pathview
 from pathsim_jsbsim_blocks import Aircraft
 print(json.dumps([printed.getvalue(), *loaded, now()]))
 """
