@@ -168,25 +168,6 @@ def test_a_list_of_names_is_required(options, value):
     assert (error.value.parameter, error.value.value) == (next(iter(options)), value)
 
 
-def test_the_lists_cannot_change():
-    plane = airliner(output_properties=["flaps"])
-    with pytest.raises(ParameterError) as error:
-        plane.output_properties = ["gear"]
-    assert (error.value.parameter, error.value.value) == ("output_properties", ["gear"])
-    assert plane.output_properties == ["flaps"]
-
-
-def test_the_drop_in_block_refuses_states_as_inputs_too():
-    with pytest.raises(PropertyError) as error:
-        JSBSimFDM(
-            input_properties=["position/h-agl-ft"],
-            aircraft_model="c172p",
-            trim_airspeed=90,
-            trim_altitude=5000,
-        )
-    assert error.value.name == "position/h-agl-ft"
-
-
 @pytest.mark.parametrize(
     "name", ["propulsion/engine/thrust-lbs", "velocities/p-rad_sec", "h_agl", "flaps"]
 )

@@ -143,14 +143,6 @@ def test_every_signal_is_what_its_label_says():
         assert track.columns[label][-1] == pytest.approx(value, rel=1e-6), label
 
 
-def test_without_the_context_nothing_is_changed():
-    with recorded_flights() as recordings:
-        pass
-    plane = Aircraft("c172p", speed=90)
-    assert "advance" not in vars(plane)
-    assert recordings == []
-
-
 def test_several_aircraft_and_what_a_model_lacks():
     with recorded_flights() as recordings:
         fdm = JSBSimFDM(aircraft_model="c172p", trim_airspeed=90, trim_altitude=5000)
