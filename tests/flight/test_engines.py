@@ -45,10 +45,10 @@ def refused(root, aircraft="c172x", **condition):
     return error.value
 
 
-def system(output, value):
+def system(output, value, name="own"):
     """A system of a model that writes a property in each step."""
-    return f"""<system name="own"><property value="{value}">own/value</property>
-    <channel name="own"><pure_gain name="own/gain"><input>own/value</input><gain>1</gain>
+    return f"""<system name="{name}"><property value="{value}">{name}/value</property>
+    <channel name="{name}"><pure_gain name="{name}/gain"><input>{name}/value</input><gain>1</gain>
     <output>{output}</output></pure_gain></channel></system>"""
 
 
@@ -276,10 +276,7 @@ def test_a_glide_needs_no_fuel():
 
 
 def test_a_valve_that_the_model_shuts_is_named(tmp_path):
-    shut = "".join(system(f"propulsion/tank[{i}]/priority", 0) for i in (0, 1))
-    shut = shut.replace('name="own"', 'name="own{}"').replace("own/", "own{}/")
-    parts = re.split("(?=<system)", shut)
-    text = "".join(part.replace("{}", str(i)) for i, part in enumerate(parts))
+    text = "".join(system(f"propulsion/tank[{i}]/priority", 0, f"own{i}") for i in (0, 1))
     error = refused(outside.changed(tmp_path, "c172x", outside.before("aerodynamics", text)))
     assert (error.reason, error.engines) == ("fuel valve", [0])
     assert error.properties == {f"propulsion/tank[{i}]/priority": 0.0 for i in (0, 1)}

@@ -8,10 +8,7 @@ import pytest
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Integrator
 
-from pathsim_jsbsim_blocks import (
-    Aircraft,
-    FlightError,
-)
+from pathsim_jsbsim_blocks import Aircraft, FlightError
 from pathsim_jsbsim_blocks.errors import CopyError
 
 
@@ -77,10 +74,10 @@ def test_an_aircraft_that_is_run_from_outside_ends_the_flight():
     sim = flying(plane)
     sim.run(1.0)
     plane.fdm.run()
-    with pytest.raises(FlightError, match="other code runs or holds it"):
-        sim.run(1.0)
-    with pytest.raises(FlightError, match="other code runs or holds it"):
-        sim.run(1.0)
+    for _ in range(2):
+        with pytest.raises(FlightError) as error:
+            sim.run(1.0)
+        assert error.value.name == "simulation/sim-time-sec"
 
 
 @pytest.mark.parametrize("terrain", [0.0, 4000.0])
@@ -106,7 +103,7 @@ def test_under_the_ground_the_flight_ends(terrain):
 @pytest.mark.parametrize("copies", [copy.copy, copy.deepcopy, pickle.dumps])
 def test_a_flight_is_not_copied(copies):
     plane = Aircraft("c172p", altitude=5000, speed=90)
-    with pytest.raises(CopyError, match="Build another Aircraft with the same parameters") as error:
+    with pytest.raises(CopyError) as error:
         copies(plane)
     assert isinstance(error.value, TypeError)
     assert (error.value.block, error.value.aircraft) == ("Aircraft", "c172p")

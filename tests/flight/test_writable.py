@@ -55,8 +55,9 @@ def test_what_would_end_the_process_is_refused(way):
 @pytest.mark.parametrize("block", [Aircraft, JSBSimFDM])
 def test_what_acts_when_written_is_no_input(block, name):
     # written at every sample it pins the aircraft, and where it fails JSBSim ends the process
-    with pytest.raises(PropertyError, match="cannot be"):
+    with pytest.raises(PropertyError) as error:
         block(input_properties=[name])
+    assert error.value.name == name
 
 
 def test_an_engine_without_a_table_of_injection_has_none():
@@ -84,28 +85,30 @@ def test_engines_that_a_model_has_may_be_started(aircraft, running):
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "said"),
+    ("name", "value", "right"),
     [
-        ("simulation/gravity-model", 7, r"0 \(point mass\), 1 \(J2\), not 7"),
-        ("atmosphere/turb-type", 5, r"3 \(milspec\), 4 \(tustin\), not 5"),
-        (AXIS, 99, r"1 \(euler\), .*not 99"),
+        ("simulation/gravity-model", 7, "0 (point mass), 1 (J2)"),
+        ("atmosphere/turb-type", 5, "3 (milspec), 4 (tustin)"),
+        (AXIS, 99, "1 (euler)"),
         # of a quaternion only: JSBSim throws at the first step
-        (AXIS, 7, "not 7"),
-        (PAYLOAD, -1, "at least 0, not -1"),
-        ("propulsion/tank/contents-lbs", -1, "at least 0, not -1"),
+        (AXIS, 7, "1 (euler)"),
+        ("propulsion/tank/contents-lbs", -1, "0"),
         # JSBSim makes them all, until the memory is full
-        ("atmosphere/updownburst/number-of-cells", 1e9, r"lie in \[0, 1000\]"),
+        ("atmosphere/updownburst/number-of-cells", 1e9, "1000"),
     ],
 )
-def test_values_that_cannot_be_are_refused(name, value, said):
-    with pytest.raises(ParameterError, match=said):
+def test_values_that_cannot_be_are_refused_with_what_can(name, value, right):
+    with pytest.raises(ParameterError) as error:
         Airframe("c172p").writer(name)(value)
+    assert error.value.value == value
+    assert right in str(error.value)
 
 
 @pytest.mark.parametrize("way", WAYS_IN)
 def test_a_value_that_cannot_be_is_refused_however_it_comes(way):
-    with pytest.raises(ParameterError, match="at least 0, not -1"):
+    with pytest.raises(ParameterError) as error:
         WAYS_IN[way](PAYLOAD, -1)
+    assert error.value.value == -1
 
 
 def test_values_are_those_of_the_parameters_of_a_block():
@@ -161,8 +164,9 @@ def test_what_jsbsim_throws_in_flight_is_a_flight_error():
         trim_airspeed=103,
         input_properties=[target],
     )
-    with pytest.raises(FlightError, match=r"waypoint .* less than or equal to 90 degrees"):
+    with pytest.raises(FlightError) as error:
         flying(plane, target, 2.0).run(0.1)
+    assert "waypoint" in str(error.value)
 
 
 @pytest.mark.long
