@@ -405,8 +405,9 @@ def test_its_bar_starts_no_thread_that_an_interrupt_could_block():
 @pytest.mark.parametrize("duration", [0, -1.0, float("nan"), float("inf"), "10", None])
 def test_a_duration_that_cannot_be_is_refused(duration):
     sim, _ = pitch_hold()
-    with pytest.raises(ParameterError, match="duration"):
+    with pytest.raises(ParameterError) as error:
         fly(sim, duration)
+    assert error.value.parameter == "duration"
     assert sim.time == 0.0
 
 
@@ -422,8 +423,9 @@ def test_a_diagram_of_another_aircraft_may_fly_in_an_event():
 def test_a_step_without_which_a_flight_never_ends_is_refused(dt):
     sim = Simulation([Scope()], dt=0.1, log=False)
     sim.dt = dt
-    with pytest.raises(ParameterError, match="dt must be"):
+    with pytest.raises(ParameterError) as error:
         fly(sim, 0.2)
+    assert error.value.parameter == "dt"
     sim.dt = 0.1
     fly(sim, 0.2)
     assert sim.time == pytest.approx(0.2)

@@ -334,16 +334,6 @@ def test_a_new_period_is_that_of_the_next_reset():
         sim.reset()
 
 
-def test_a_run_that_begins_elsewhere_counts_on_from_there():
-    clock = Count().clock
-    clock.now = 4, [3.0], [0.0]
-    clock.join(5.03)
-    assert clock.now[0] == 4
-    assert clock.next() == pytest.approx(5.03 + T)
-    assert clock.count(5.03 + T) == 1
-    assert clock.count(5.03 + 3 * T) == 3
-
-
 def test_a_time_that_is_set_by_hand_is_that_of_the_latest_instant():
     plant, sim = counting(ramp())
     sim.run(3 * T)

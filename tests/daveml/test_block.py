@@ -107,8 +107,8 @@ def test_bad_parameters_are_refused(tmp_path):
         DaveML("nothing.dml")
     assert error.value.path == "nothing.dml"
     wing = DaveML(str(file))
-    with pytest.raises(ParameterError, match=r"the inputs or outputs of .*b.dml differ"):
-        wing.file = str(other)
-    with pytest.raises(ParameterError, match="T cannot change between 0 and positive"):
-        wing.T = 0.1
+    for parameter, value in (("file", str(other)), ("T", 0.1)):
+        with pytest.raises(ParameterError) as error:
+            setattr(wing, parameter, value)
+        assert (error.value.parameter, error.value.value) == (parameter, value)
     assert (wing.file, wing.T) == (str(file), 0.0)

@@ -389,10 +389,10 @@ def test_inputs_and_files_that_are_not_there(tmp_path):
         with pytest.raises(ParameterError) as error:
             model(values)
         assert error.value.parameter == "values"
-    with pytest.raises(FileError, match=r"cannot read '.*none.dml': No such file"):
-        DaveModel(tmp_path / "none.dml")
-    with pytest.raises(FileError, match="not a file"):
-        DaveModel(tmp_path)
+    for path in (tmp_path / "none.dml", tmp_path):
+        with pytest.raises(FileError) as error:
+            DaveModel(path)
+        assert error.value.path == str(path)
     for bad in (None, "a\0b", "x" * 5000):
         with pytest.raises(BlocksError):
             DaveModel(bad)

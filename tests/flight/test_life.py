@@ -47,7 +47,7 @@ def test_an_aircraft_that_something_holds_ends_the_flight():
     sim.run(1.0)
     jsbsim.FGLinearization(plane.fdm)  # leaves JSBSim's time standing still
     for _ in range(2):
-        with pytest.raises(FlightError, match=r"its clock shows 1 s after 121 ") as error:
+        with pytest.raises(FlightError) as error:
             sim.run(1.0)
         assert error.value.name == "simulation/sim-time-sec"
         assert plane.samples == 120

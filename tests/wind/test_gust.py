@@ -88,7 +88,7 @@ def test_the_airspeed_at_the_start_comes_from_the_port():
 def test_without_an_airspeed_a_gust_is_refused(port):
     gust, scope = OneMinusCosineGust(start=1.0), Scope()
     sim = Simulation([gust, scope], [Connection(gust, scope)], log=False)
-    with pytest.raises(ParameterError, match="vt") as refused:
+    with pytest.raises(ParameterError) as refused:
         sim.run(2.0)
     assert refused.value.parameter == "airspeed"
     still = Constant(0.0)
