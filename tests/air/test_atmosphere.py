@@ -160,7 +160,7 @@ def test_hydrostatic_equilibrium():
     assert relative_difference(-isa(h, altitude_kind="geopotential").density * G0, slope) < 1e-7
 
 
-def test_shapes():
+def test_numbers_and_arrays_of_any_shape_keep_it():
     heights = np.linspace(0.0, 20000.0, 6).reshape(2, 3)
     assert isa(heights).density.shape == (2, 3)
     assert isa(heights.T[:, :1], [0.0, 5.0]).density.shape == (3, 2)
