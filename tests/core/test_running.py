@@ -202,6 +202,26 @@ def test_a_diagram_that_changes_during_the_run_goes_on_as_with_run(change):
         assert np.array_equal(a, b)
 
 
+def test_a_diagram_that_a_block_changes_as_it_is_evaluated_goes_on_as_with_run():
+    scopes = []
+    for run in (Simulation.run, fly):
+        parts, changed = Parts(), []
+
+        def wave(t, parts=parts, changed=changed):
+            if t > 0.82 and not changed:  # the SampleHold acts at 1 s again
+                changed.append(t)
+                block_added(parts)
+            return t
+
+        parts.sim.add_block(Source(wave))
+        run(parts.sim, 1.0)
+        scopes.append(parts.scope)
+    (time, expected), (flown_time, flown) = (scope.read() for scope in scopes)
+    assert np.array_equal(flown_time, time)
+    assert np.array_equal(flown, expected)
+    assert flown[5, -1] == 5.0
+
+
 def test_a_step_set_while_it_runs_is_that_of_the_next_run():
     for t in (0.0, 0.05, 0.5):
         times = []
