@@ -22,11 +22,11 @@ plane = Airframe("global5000")
 loading = {"payload": [7586.0], "fuel": [4048.8] * 3}  # lb: half of both
 rows = []
 for speed in range(90, 550, 10):
-    there = TrimCondition(
+    condition = TrimCondition(
         altitude=15000, speed=speed, solver="jsbsim", **loading
     )
     try:
-        state = trim(plane, there, hint=False)
+        state = trim(plane, condition, hint=False)
         rows.append((speed, state.alpha, state.elevator_norm, ""))
     except TrimError as error:
         rows.append((speed, None, None, error.reason))
@@ -37,9 +37,10 @@ table.iloc[::6].round(3)
 import matplotlib.pyplot as plt
 
 figure, axes = plt.subplots(2, 1, sharex=True, layout="constrained")
-for ax, column, unit in zip(axes, ["alpha", "elevator"], ["deg", "-"]):
+labels = {"alpha": "angle of attack [deg]", "elevator": "elevator [-]"}
+for ax, (column, label) in zip(axes, labels.items()):
     ax.plot(table.KCAS, table[column], ".-")
-    ax.set_ylabel(f"{column} [{unit}]")
+    ax.set_ylabel(label)
     ax.grid(alpha=0.4)
 axes[1].set_xlabel("calibrated airspeed [kt]")
 figure.suptitle("global5000: level flight at 15,000 ft")
