@@ -143,6 +143,7 @@ def test_without_the_token_there_is_nothing(path, ask, server, cookie):
         assert token(server) not in answer.text
         assert "open the address that the command has printed" in answer.text
     assert ask(path).status_code == (404 if "none" in path else 200)
+    assert ask(path, Host="rebound.example:80").status_code == 403
     assert ask(f"{path}?token=x", Cookie=None).status_code == 403
     assert ask(f"{path}?token=%E9", Cookie=None).status_code == 403
 

@@ -1,4 +1,4 @@
-"""What a model file says of blocks, ports, events and the note: positions in pixels, numbers."""
+"""Positions of a model that is exported again, and ports; new positions are those of test_committed."""
 
 import json
 import runpy
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
-from pathsim_jsbsim_blocks.pathview.diagram import Diagram, Graph, Node, Wire
+from pathsim_jsbsim_blocks.pathview.diagram import Diagram, Event, Graph, Node, Wire
 from pathsim_jsbsim_blocks.pathview.pvm import model
 
 pytest.importorskip("pathview")
@@ -49,6 +49,12 @@ def test_new_blocks_stand_beside_those_that_were_there():
     old["graph"]["nodes"][0]["position"]["x"] = 860
     new = written([A, B, c], [A_TO_B, Wire(1, 0, 2, 0)], existing=old)
     assert positions(new["graph"]["nodes"])["c"] == (1340, 570)
+
+
+def test_an_event_stays_where_it_was():
+    event = Event("tick", "pathsim.events.Event", {})
+    old = {"events": [{"name": "tick", "position": {"x": 7, "y": 8}}]}
+    assert positions(written([A], events=[event], existing=old)["events"]) == {"tick": (7, 8)}
 
 
 SCRIPT = """

@@ -1,68 +1,20 @@
 """Script to model to script, and model to script to model: nothing is lost on the way."""
 
 import json
-import math
 from importlib.util import find_spec
 from pathlib import Path
 
-import numpy as np
 import pytest
 from how_many import EXPORTED, first
-from pathsim import Subsystem
+from oracle import assert_equal, first_run
 
-from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import find_diagram
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
-from pathsim_jsbsim_blocks.pathview.first_run import FirstRun as Script
 from pathsim_jsbsim_blocks.pathview.variables import plain
 
 pytest.importorskip("pathview")
 
 EXAMPLES = Path(find_spec("pathview").origin).parent / "static" / "examples"
-
-
-def recorders(blocks):
-    """Scopes and spectra, those in subsystems first, as PathView's scripts have them."""
-    for block in blocks:
-        if type(block) is Subsystem:
-            yield from recorders(block.blocks)
-    yield from (b for b in blocks if type(b).__name__ in ("Scope", "Spectrum"))
-
-
-def traces(path, monkeypatch, longest=math.inf, part=1.0):
-    """What a script records in a part of its duration, or in the longest of a test; its duration.
-
-    Noise is the same in every call.
-    """
-    made = iter(range(1000))
-    generator = np.random.default_rng
-    with monkeypatch.context() as patched:
-        patched.setattr(
-            np.random,
-            "default_rng",
-            lambda seed=None: generator(next(made) if seed is None else seed),
-        )
-        np.random.seed(1)  # noqa: NPY002 (the models draw from the global one)
-        script = Script(path)
-        duration = eval(compile(_duration(script), "duration", "eval"), script.namespace)
-        fly(script.simulation, min(part * duration, longest))
-    return duration, [b.read() for b in recorders(script.simulation.blocks)]
-
-
-def _duration(script):
-    import ast
-
-    call = script.run_call
-    return ast.Expression(call.args[0] if call.args else call.keywords[0].value)
-
-
-def assert_identical(one, other):
-    (duration, a), (duration_b, b) = one, other
-    assert duration == duration_b
-    assert len(a) == len(b) > 0
-    for (time, signals), (time_b, signals_b) in zip(a, b, strict=True):
-        np.testing.assert_array_equal(time, time_b)
-        np.testing.assert_array_equal(signals, signals_b)
 
 
 def parts(graph, path=()):
@@ -116,7 +68,12 @@ _SLOW = ("fmcw-radar", "vanderpol")
 )
 @pytest.mark.parametrize("part", first([0.2, 1.0]))
 def test_pathviews_own_examples(name, part, tmp_path, monkeypatch):
-    example = EXAMPLES / f"{name}.json"
+    before = json.loads((EXAMPLES / f"{name}.json").read_text(encoding="utf-8"))
+    settings = before["simulationSettings"]
+    if settings["duration"] is not None:
+        settings["duration"] = f"{part} * ({settings['duration']})"
+    example = tmp_path / f"{name}.json"
+    example.write_text(json.dumps(before), encoding="utf-8")
     script = convert_model(example, tmp_path / f"{name}.py")
     # a number that the code draws at random is in the model as drawn: let each run draw the same
     code = script.read_text(encoding="utf-8")
@@ -125,10 +82,10 @@ def test_pathviews_own_examples(name, part, tmp_path, monkeypatch):
         script.write_text(code.replace("import numpy as np\n", seed, 1), encoding="utf-8")
     model = export_script(script)
     again = convert_model(model, tmp_path / "again.py")
-    before, after = (json.loads(p.read_text(encoding="utf-8")) for p in (example, model))
+    after = json.loads(model.read_text(encoding="utf-8"))
     assert _count(after["graph"]) == _count(before["graph"])
     assert len(after["events"]) == len(before["events"])
-    assert_identical(*(traces(path, monkeypatch, part=part) for path in (script, again)))
+    assert_equal(first_run(script, monkeypatch), first_run(again, monkeypatch))
 
 
 def _count(graph):
