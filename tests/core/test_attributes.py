@@ -191,13 +191,7 @@ def test_a_linear_aircraft_refuses_what_it_cannot_take():
             assert getattr(plane, name) is before
 
 
-@pytest.fixture
-def own_model(tmp_path):
-    """A root with a model that a test may break, and its file."""
-    return changed(tmp_path, "c172p"), tmp_path / "aircraft/c172p/c172p.xml"
-
-
-def test_a_reset_that_fails_leaves_the_flight_as_it_was(own_model):
+def test_a_reset_that_fails_leaves_the_flight_as_it_was(tmp_path):
     def diagram():
         plane, kick = Aircraft("c172p", **LEVEL, root=root), Constant(0.02)
         wires = [Connection(kick, plane["elevator"], plane["aileron"])]
@@ -209,7 +203,7 @@ def test_a_reset_that_fails_leaves_the_flight_as_it_was(own_model):
         sim.run(0.5)
         return [plane.outputs[name] for name in ("h", "theta", "phi", "psi", "elev_sat")]
 
-    root, model = own_model
+    root, model = changed(tmp_path, "c172p"), tmp_path / "aircraft/c172p/c172p.xml"
     (sim, plane), other = diagram(), diagram()
     text, trim = model.read_text(), plane.trim
     model.write_text(text.replace("</fdm_config>", ""))
