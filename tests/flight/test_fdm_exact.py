@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from pathsim import Connection, Interface, Simulation, Subsystem
+from pathsim import Connection, Simulation
 from pathsim.blocks import Adder, Amplifier, Integrator, Scope, Source
 from pathsim.solvers import ESDIRK43, RK4, RKBS32, RKCK54, SSPRK22
 from plain_jsbsim import FLIGHTS, fly, trimmed
@@ -197,43 +197,6 @@ def test_substeps(substeps):
     u, y = samples(scope, long_T)
     assert len(y) == 61
     assert np.array_equal(y, loop(u, T=long_T, substeps=substeps))
-
-
-def nested(fdm, depth, gain):
-    """The aircraft inside subsystems, with or without algebraic blocks between the levels."""
-    inner = fdm
-    for _ in range(depth):
-        interface = Interface()
-        blocks = [interface, inner]
-        wires = [Connection(interface[i], inner[i]) for i in (1, 2)]
-        if gain:
-            amplifier = Amplifier(1.0)
-            blocks.append(amplifier)
-            wires += [Connection(interface[0], amplifier), Connection(amplifier, inner[0])]
-        else:
-            wires.append(Connection(interface[0], inner[0]))
-        wires += [Connection(inner[i], interface[i]) for i in range(len(OUTPUTS))]
-        inner = Subsystem(blocks, wires)
-    return inner
-
-
-@pytest.mark.parametrize("depth", [1, 3])
-@pytest.mark.parametrize("states", [0, 1])
-@pytest.mark.parametrize("gain", [False, True], ids=["wired", "through gains"])
-def test_inside_subsystems(depth, states, gain):
-    fdm = block()
-    system = nested(fdm, depth, gain)
-    integrators = [Integrator(0.0)] * states
-    scope, sim = wire(
-        system, sines(), integrators, [Connection(system[1], *integrators)] if states else []
-    )
-    sim.run(0.5)
-    u, y = samples(scope)
-    assert len(y) == 61
-    assert np.array_equal(y, loop(u))
-    first = scope.read()[1]
-    sim.run(0.5, reset=True)
-    assert np.array_equal(scope.read()[1], first)
 
 
 def test_feedback_through_algebraic_blocks_has_no_delay():
