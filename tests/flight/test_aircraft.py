@@ -56,6 +56,13 @@ def moves(t):
     ]
 
 
+def held(plane, port, increment, duration=2 * T):
+    """Fly with an increment at an input."""
+    constant = Constant(increment)
+    wire = Connection(constant, plane[port])
+    Simulation([constant, plane], [wire], dt=T, log=False).run(duration)
+
+
 @pytest.fixture(scope="module")
 def flight():
     """Outputs of the block by port, and raw properties of the same flight in a plain loop."""
@@ -194,8 +201,8 @@ def test_a_port_is_what_other_properties_say(flight, port):
 )
 def test_a_positive_input_does_what_its_line_in_the_manual_says(port, signs):
     def after(increment):
-        plane, constant = Aircraft("c172p", speed=90.0, heading=90.0), Constant(increment)
-        Simulation([constant, plane], [Connection(constant, plane[port])], dt=T, log=False).run(0.5)
+        plane = Aircraft("c172p", speed=90.0, heading=90.0)
+        held(plane, port, increment, 0.5)
         return {name: plane.outputs[name] for name in signs}
 
     bare, moved = after(0.0), after(0.1)
@@ -207,10 +214,7 @@ def test_nothing_is_saturated_before_it_flies_nor_without_an_engine():
     saturations = ["elev_sat", "ail_sat", "rud_sat", "thr_sat"]
     for plane in (Aircraft("c172p", speed=90.0), glider):
         assert [plane.outputs[name] for name in saturations] == [0.0] * 4
-    constant = Constant(0.5)
-    Simulation([constant, glider], [Connection(constant, glider["throttle"])], dt=T, log=False).run(
-        2 * T
-    )
+    held(glider, "throttle", 0.5)
     assert [glider.outputs[name] for name in saturations] == [0.0] * 4
 
 
@@ -231,11 +235,9 @@ def test_the_aircraft_limits_its_commands_and_says_by_how_much(
     altitude, speed = FLIGHTS[aircraft]
     gear = 0 if aircraft == "737" else None
     plane = Aircraft(aircraft, altitude=altitude, speed=speed, gear=gear)
-    constant = Constant(increment)
-    sim = Simulation([constant, plane], [Connection(constant, plane[port])], dt=T, log=False)
     beyond = pytest.warns(RuntimeWarning, match=f"{port}' exceeds the full travel")
     with beyond if abs(increment) > 2 else contextlib.nullcontext():
-        sim.run(2 * T)
+        held(plane, port, increment)
     # six figures of a trim whose tolerance is 1e-4 rad/s2
     assert plane.fdm[f"fcs/{port}-cmd-norm"] == pytest.approx(command, abs=1e-5)
     saturations = {"elevator": "elev_sat", "aileron": "ail_sat", "rudder": "rud_sat"}
@@ -247,10 +249,7 @@ def test_the_aircraft_limits_its_commands_and_says_by_how_much(
 @pytest.mark.parametrize(("increment", "command"), [(1.0, 1.0), (-1.0, 0.0)])
 def test_the_aircraft_limits_its_throttles(increment, command):
     plane = Aircraft("737", altitude=10000, speed=280, gear=0)
-    constant = Constant(increment)
-    Simulation([constant, plane], [Connection(constant, plane["throttle"])], dt=T, log=False).run(
-        2 * T
-    )
+    held(plane, "throttle", increment)
     assert [plane.fdm[f"fcs/throttle-cmd-norm[{i}]"] for i in (0, 1)] == [command, command]
     assert plane.outputs["thr_sat"] == pytest.approx(
         plane.trim.throttle[0] + increment - command, abs=1e-12
@@ -261,9 +260,7 @@ def test_the_aircraft_limits_its_throttles(increment, command):
 def test_the_excess_of_the_throttle_is_the_mean_over_the_engines_that_run(engines_off, share):
     condition = TrimCondition(altitude=10000, speed=250, gear=0, engines_off=engines_off)
     plane = Aircraft("737", condition=condition, input_properties=["throttle[0]"])
-    constant = Constant(1.0)
-    wire = Connection(constant, plane["throttle[0]"])
-    Simulation([constant, plane], [wire], dt=T, log=False).run(2 * T)
+    held(plane, "throttle[0]", 1.0)
     # engine 0 is asked for its trimmed throttle and 1 more, engine 1 for nothing more
     expected = share * plane.trim.throttle[0]
     assert plane.outputs["thr_sat"] == pytest.approx(expected, abs=1e-12)
