@@ -55,6 +55,10 @@ def plain_flight(aircraft, state, seconds, elevator=0.0):
     return np.array(rows).T
 
 
+def test_a_mixture_that_the_model_sets_itself_is_left_to_it():
+    assert table("c172x", "stall").value.notna().all()
+
+
 @pytest.mark.long
 def test_climb_is_that_of_a_plain_loop():
     climbs = table("c172p", "level", altitude=5000.0).query("quantity == 'rate of climb'")

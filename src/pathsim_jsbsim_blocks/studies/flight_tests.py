@@ -131,13 +131,22 @@ class Plane:
         if task["weight"] is not None:
             self.weight, mass = task["weight"], loading(self.airframe, task["weight"])
         self.base = replace(base, flaps=task["flaps"], **mass)
+        self.mixtures = self._mixtures()
         self.climb_to(task["altitude"])
+
+    def _mixtures(self) -> list[str]:
+        """The mixture commands of piston engines, without those that the model sets itself."""
+        engines = range(self.airframe.engines if self.airframe.of_engines("map-inhg") else 0)
+        names = [f"fcs/mixture-cmd-norm[{i}]" for i in engines]
+        for name in names:
+            self.airframe.fdm[name] = 0.5
+        self.airframe.run_ic()
+        return [name for name in names if self.airframe.fdm[name] == 0.5]
 
     def climb_to(self, altitude: float) -> None:
         """Change the altitude, with piston engines leaned in proportion to the air density."""
         self.light = float(isa(altitude * FOOT).density / isa(0.0).density)
-        engines = range(self.airframe.engines if self.airframe.of_engines("map-inhg") else 0)
-        lean = {f"fcs/mixture-cmd-norm[{i}]": min(self.light, 1.0) for i in engines}
+        lean = dict.fromkeys(self.mixtures, min(self.light, 1.0))
         setup = {**self.base.setup, **_NO_GROUND, **lean}
         self.base = replace(self.base, altitude=altitude, setup=setup)
 
