@@ -34,22 +34,6 @@ def test_no_wind_up_of_the_pitch_hold(name):
     assert flight.after(10.0).settled("theta", flight["theta"][0], 1.0) < 12.0
 
 
-@pytest.mark.long
-def test_the_aircrafts_saturation_holds_the_autothrottle_back():
-    # 60 kt up, more than the c172p can fly, for 60 s; then 10 kt down from where it began
-    ports = {"vc_ref": lambda t: 60.0 if t < 60.0 - T / 2 else -10.0}
-    # it looks as if it were meant absolute
-    with pytest.warns(RuntimeWarning, match="60 kt at vc_ref is an increment"):
-        wired = fly(start("c172p"), 110.0, ports)
-    with pytest.warns(RuntimeWarning, match="60 kt at vc_ref is an increment"):
-        unwired = fly(start("c172p"), 110.0, ports, unwired=["thr_sat", "alpha", "beta"])
-    goal = wired["vc"][0] - 10.0
-    for flight in (wired, unwired):
-        assert np.min(flight.before(60.0).after(10.0)["thr_sat"]) > 0.1  # full throttle
-    assert wired.after(60.0).settled("vc", goal, 2.0) < 45.0
-    assert unwired["vc"][-1] > goal + 5.0  # wound up
-
-
 @pytest.mark.parametrize(
     ("name", "sign"),
     first([(name, sign) for name in ("global5000", "c172p", "737") for sign in (-1, 1)]),

@@ -146,58 +146,6 @@ def test_no_command_jumps_at_engagement(name, condition, modes):
             assert np.max(np.abs(flight[angle] - flight[angle][k])) < 0.15
 
 
-@pytest.mark.parametrize("name", first(AIRCRAFT))
-def test_engage_and_disengage_in_mid_flight(name):
-    def off(t):
-        return 10.0 < t + T / 2 < 15.0 or 30.0 < t + T / 2 < 31.0
-
-    ports = {
-        "pitch_off": off,
-        "roll_off": off,
-        "speed_off": off,
-        "h_ref": step(200.0),
-        "psi_ref": step(20.0),
-    }
-    flight = fly(start(name), 90.0, ports)
-    t = flight["t"]
-    for command in ("elevator", "aileron", "throttle"):
-        u = flight[command]
-        for begin, end in ((10.0, 15.0), (30.0, 31.0)):
-            held = (t > begin - T / 2) & (t < end - T / 2)
-            k = np.flatnonzero(held)
-            assert np.all(u[held] == u[k[0] - 1])  # held to the bit
-            assert abs(u[k[-1] + 1] - u[k[-1]]) < 1e-12
-    # what was found at the second engagement, plus the ports, is held now
-    k = np.flatnonzero(t > 31.0 - T / 2)[0]
-    assert flight["h"][-1] - flight["h"][k] == pytest.approx(200.0, abs=5.0)
-    assert wrap(flight["psi"][-1] - flight["psi"][k] - 20.0) == pytest.approx(0.0, abs=0.5)
-
-
-@pytest.mark.parametrize("name", first(["737", "c172p", "global5000"]))
-def test_a_change_of_mode_makes_no_output_jump(name):
-    def modes(t):
-        return 10.0 < t + T / 2 < 20.0 or t > 30.0
-
-    flight = fly(
-        start(name),
-        40.0,
-        {
-            "pitch_mode": modes,
-            "roll_mode": modes,
-            "theta_ref": step(1.0),
-            "h_ref": step(300.0),
-            "psi_ref": step(30.0),
-            "phi_ref": step(10.0),
-        },
-    )
-    # in one sample the references move by their ramps at most: 4 deg/s and 10 deg/s, and the
-    # laws' gains are below 0.3 and 0.1 per deg
-    assert np.max(np.abs(np.diff(flight["theta_cmd"]))) < 4.001 * T
-    assert np.max(np.abs(np.diff(flight["phi_cmd"]))) < 10.001 * T
-    assert np.max(np.abs(np.diff(flight["elevator"]))) < 0.03
-    assert np.max(np.abs(np.diff(flight["aileron"]))) < 0.03
-
-
 def dutch_roll(gains):
     """Damping ratio of the sideslip after a rudder pulse, from its first three extremes."""
     plane, scope, damper, total = start("c172p"), Scope(), YawDamper(gains), Adder("++")

@@ -418,13 +418,16 @@ def test_in_steady_flight_nothing_moves_from_the_first_sample_on(hold):
 
 def test_a_mode_goes_on_from_the_reference_of_the_other(wires):
     mode = (np.arange(N) // 100 % 2).astype(float)
-    quiet = wires | {"off": NOTHING, "vc": NOTHING + 90.0, "vc_ref": NOTHING}
+    quiet = wires | {"off": NOTHING, "vc": NOTHING + 90.0, "vc_ref": NOTHING, "psi_ref": NOTHING}
+    quiet["psi"] = np.where(np.arange(N) < 150, 30.0, 60.0)
     y = laws(Autopilot(GAINS, T=T), **quiet, pitch_mode=mode, roll_mode=mode)
     for name in ("theta_cmd", "phi_cmd"):
         assert np.max(np.abs(np.diff(y[name]))) == pytest.approx(ATTITUDE["ramp"] * T)
     for k in range(200, N, 200):  # the altitude's loop begins with the pitch reference as it is
         assert y["theta_cmd"][k] == pytest.approx(y["theta_cmd"][k - 1], abs=1e-12)
     assert not y["hdot_cmd"][mode != 0].any()
+    # the heading found when its mode came back
+    assert y["phi_cmd"][299] == pytest.approx(0.0, abs=1e-9)
     # the altitude found when its mode came back, and the port's way since
     back = 200
     error = (quiet["h"][back] + quiet["h_ref"] - quiet["h"])[back:300]

@@ -354,11 +354,6 @@ def test_an_aircraft_that_has_stopped_stands():
     assert diagram.aircraft.outputs["gear/wow"]
 
 
-def test_gains_without_a_landing_say_so():
-    with pytest.warns(RuntimeWarning, match="no landings were flown with these gains of the A4"):
-        FlareHold("A4")
-
-
 def test_gains_that_land_in_some_flares_only_warn_with_the_reason(tmp_path):
     with pytest.warns(RuntimeWarning, match=r"1.5 deg/s2 at 181 KCAS .* tau of 6 s"):
         FlareHold("MD11")

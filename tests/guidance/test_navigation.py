@@ -304,34 +304,6 @@ def test_bad_parameters_are_refused(block, given, parameter):
     assert caught.value.parameter == parameter
 
 
-@pytest.mark.parametrize(
-    "hold",
-    [
-        lambda: CourseHold("c172p", chi_ref=10.0),
-        lambda: CourseHold("c172p", waypoints=[(0.1, 0.05), (0.2, 0.0)]),
-        lambda: GlideslopeHold("c172p", threshold=(0.1, 0.0)),
-    ],
-)
-def test_a_checkpoint_goes_on(hold, tmp_path):
-    def diagram():
-        block, scope = hold(), Scope()
-        flown = {"lat": lambda t: t / 3600, "h": lambda t: 900.0 + t, "alpha": lambda t: 4.0}
-        flown = {**dict.fromkeys(block.measured, lambda t: 0.0), **flown}
-        sources = {name: Source(f) for name, f in flown.items() if name in block.input_port_labels}
-        wires = [Connection(source, block[name]) for name, source in sources.items()]
-        wires += [Connection(block[n], scope[i]) for n, i in block.output_port_labels.items()]
-        return Simulation([block, scope, *sources.values()], wires, dt=T, log=False), scope
-
-    sim, scope = diagram()
-    sim.run(1.0)
-    sim.save_checkpoint(str(tmp_path / "saved"))
-    sim.run(1.0)
-    again, later = diagram()
-    again.load_checkpoint(str(tmp_path / "saved"))
-    again.run(1.0)
-    assert np.array_equal(later.read()[1][:, -60:], scope.read()[1][:, -60:])
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("ports", "low", "high"), [(None, 0.0, 800.0), ({"vt": lambda t: 0.0}, 1500.0, 3000.0)]
