@@ -73,6 +73,8 @@ class Airframe(PropertyTree):
         the executive: one object, one model. `renew` replaces it
     created : dict
         properties created for the model, with their initial values
+    tanks : list of str
+        names of the contents of each tank
     stopped : frozenset of int
         engines that do not run, set by a trim
 
@@ -162,6 +164,8 @@ class Airframe(PropertyTree):
         for name, value in self._equations.items():
             self.fdm[name] = value
         self._of_engines: dict[str, list[str]] = {}
+        names = map("propulsion/tank[{}]/contents-lbs".format, itertools.count())
+        self.tanks = list(itertools.takewhile(self.has, names))
         self._choose_outputs()
         for name, start in self.created.items():
             self.writer(name)(start)
@@ -291,12 +295,6 @@ class Airframe(PropertyTree):
             names = (f"propulsion/engine[{i}]/{quantity}" for i in range(self.engines))
             self._of_engines[quantity] = [name for name in names if self.has(name)]
         return self._of_engines[quantity]
-
-    @property
-    def tanks(self) -> list[str]:
-        """Names of the contents of each tank."""
-        names = map("propulsion/tank[{}]/contents-lbs".format, itertools.count())
-        return list(itertools.takewhile(self.has, names))
 
     @property
     def engine_list(self) -> tuple[Engine, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -17,13 +17,13 @@ from .initial import engines_off, initialise, properties
 from .search import Reached
 from .state import STATE
 
-# command, the unknowns of a search that represent it, and its primary acceleration
-_COMMANDS = (
-    ("throttle", ("throttle",), "udot"),
-    ("pitch", ("pitch_trim", "elevator"), "qdot"),
-    ("roll", ("aileron",), "pdot"),
-    ("yaw", ("rudder",), "rdot"),
-)
+# command -> the unknowns of a search that represent it, and its primary acceleration
+_COMMANDS = {
+    "throttle": (("throttle",), "udot"),
+    "pitch": (("pitch_trim", "elevator"), "qdot"),
+    "roll": (("aileron",), "pdot"),
+    "yaw": (("rudder",), "rdot"),
+}
 
 # change of a command, beyond the hysteresis or dead band of a servo
 _STEP = 0.5
@@ -64,13 +64,16 @@ def command_effects(
         in_time = airframe.has_kind("turboprop")
         flight = SteadyFlight(airframe, condition, Effort(), in_time)
         flight.try_out()
-        return effects(flight, flight.guess(3.0, 0.5), airframe)
+        return list(effects(flight, flight.guess(3.0, 0.5), airframe))
 
 
-def effects(flight: SteadyFlight, x: np.ndarray, airframe: Airframe) -> list[Effect]:
-    """The effects, near a state, of the commands among the search's unknowns."""
-    result, before = [], flight.settled(x)
-    for command, unknowns, acceleration in _COMMANDS:
+def effects(
+    flight: SteadyFlight, x: np.ndarray, airframe: Airframe, commands: Iterable[str] = _COMMANDS
+) -> Iterator[Effect]:
+    """The effects, near a state, of commands among the search's unknowns."""
+    before = flight.settled(x)
+    for command in commands:
+        unknowns, acceleration = _COMMANDS[command]
         name = next((name for name in unknowns if name in flight.names), "")
         names = throttles(airframe.engines) if name == "throttle" else [STATE[name]] if name else []
         if not names:
@@ -82,8 +85,7 @@ def effects(flight: SteadyFlight, x: np.ndarray, airframe: Airframe) -> list[Eff
         size = change * RESIDUALS[acceleration] / step
         moves = not abs(change) <= _NONE  # NaN is an effect
         own = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
-        result.append(Effect(command, tuple(names), acceleration, size, moves, own))
-    return result
+        yield Effect(command, tuple(names), acceleration, size, moves, own)
 
 
 def model_fault(
@@ -102,16 +104,18 @@ def model_fault(
     if airframe.has_kind("rotor"):
         why = "it is a rotorcraft (its thruster is a rotor), which this search does not trim"
         return failure(airframe, condition, "rotorcraft", why, residuals)
-    changes = effects(flight, end.x, airframe)
     if not any(airframe.fdm[f"forces/fb{axis}-aero-lbs"] for axis in "xyz"):
         why = "the model has no aerodynamic force"
         return failure(airframe, condition, "aerodynamics", why, residuals)
     left = dict(zip(flight.used, abs(end.residuals).tolist(), strict=True))
-    unknowns = {command: names for command, names, _ in _COMMANDS}
-    for effect in changes:
-        remains = left[effect.acceleration]
-        is_cause = bound in ("", *unknowns[effect.command]) or remains == max(left.values())
-        if effect.moves or remains <= 1.0 or not is_cause:
+    suspects = [
+        command
+        for command, (unknowns, acceleration) in _COMMANDS.items()
+        if not (remains := left.get(acceleration, 0.0)) <= 1.0  # NaN is left
+        and (bound in ("", *unknowns) or remains == max(left.values()))
+    ]
+    for effect in effects(flight, end.x, airframe, suspects):
+        if effect.moves:
             continue
         names = " to ".join(dict.fromkeys((effect.properties[0], effect.properties[-1])))
         why = f"the {effect.command} command, {names}, does not change {effect.acceleration}"

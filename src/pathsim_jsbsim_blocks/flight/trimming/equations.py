@@ -189,28 +189,28 @@ class SteadyFlight:
     def _choose_residuals(self) -> None:
         airframe, condition = self._airframe, self._condition
         self.used = _LONGITUDINAL if condition.mode == "longitudinal" else tuple(RESIDUALS)
-        tolerances = dict(RESIDUALS)
-        readers = {name: airframe.reader(STATE[name]) for name in RESIDUALS}
+        self._all_residuals = airframe.reader_of([STATE[name] for name in RESIDUALS])
+        self._read = airframe.reader_of([STATE[name] for name in self.used])
         # zero except in turns with wind, and for a prescribed thrust
         self._targets = dict.fromkeys(RESIDUALS, 0.0)
         if condition.thrust is not None:
             self.used = *self.used, "thrust"
-            tolerances["thrust"] = _THRUST_TOLERANCE
-            thrusts = [airframe.reader(name) for name in airframe.of_engines("thrust-lbs")]
-            readers["thrust"] = lambda: sum(read() for read in thrusts)
+            accelerations = self._read
+            thrusts = airframe.reader_of(airframe.of_engines("thrust-lbs"))
+            self._read = lambda: [*accelerations(), sum(thrusts())]
             self._targets["thrust"] = condition.thrust
-        self._readers = readers
-        self._read = [readers[name] for name in self.used]
         self._target = np.array([self._targets[name] for name in self.used])
+        tolerances = {**RESIDUALS, "thrust": _THRUST_TOLERANCE}
         self._tolerances = np.array([tolerances[name] for name in self.used])
 
     def _find_engines(self) -> None:
         airframe = self._airframe
-        self._throttles = [airframe.writer(name) for name in throttles(airframe.engines)]
-        self._write = [airframe.writer(name) for name in _WRITTEN] + self._throttles
-        pitches = [airframe.reader(name) for name in airframe.of_engines("blade-angle")]
-        speeds = [airframe.reader(name) for name in airframe.of_engines("propeller-rpm")]
-        self._pitches, self._propellers = pitches, speeds + pitches
+        self._engines = airframe.engines
+        self._write = airframe.writer_of([*_WRITTEN, *throttles(self._engines)])
+        pitches, speeds = (airframe.of_engines(name) for name in ("blade-angle", "propeller-rpm"))
+        self._has_propellers = bool(speeds or pitches)
+        self._pitches = airframe.reader_of(pitches)
+        self._propellers = airframe.reader_of(speeds + pitches)
         self._has_governor = any(
             self._fdm[name] for name in airframe.of_engines("constant-speed-mode")
         )
@@ -224,7 +224,7 @@ class SteadyFlight:
     @property
     def leaves_traces(self) -> bool:
         """Whether evaluations change the state of engines or systems."""
-        return bool(self._propellers) or self.has_memory
+        return self._has_propellers or self.has_memory
 
     def try_out(self) -> None:
         """Determine whether the model has a pitch trim, and whether its controls have filters."""
@@ -254,13 +254,13 @@ class SteadyFlight:
 
     def trial(self, x: np.ndarray) -> np.ndarray:
         """Residuals after a step of the search, which may be large."""
-        return self.settled(x) if self._propellers else self.residuals(x)
+        return self.settled(x) if self._has_propellers else self.residuals(x)
 
     def residuals(self, x: np.ndarray) -> np.ndarray:
         """The residuals at a state, divided by their tolerances."""
         throttle = self._put(x)
         r = self._accelerations()
-        if self._propellers and throttle != self._settled_at:
+        if self._has_propellers and throttle != self._settled_at:
             self._spin(size(r))
             self._settled_at = throttle
             self._put(x)
@@ -287,7 +287,8 @@ class SteadyFlight:
         has_memory, self.has_memory = self.has_memory, True
         r = self.settled(x)
         self.has_memory = has_memory
-        left = {name: self._readers[name]() - self._targets[name] for name in RESIDUALS}
+        now = zip(RESIDUALS, self._all_residuals(), strict=True)
+        left = {name: value - self._targets[name] for name, value in now}
         self._forget()
         return r, left
 
@@ -333,10 +334,8 @@ class SteadyFlight:
             turning = -np.cross([p, q, r], wind)
             self._targets.update(zip(("udot", "vdot", "wdot"), turning.tolist(), strict=True))
             self._target = np.array([self._targets[name] for name in self.used])
-        throttles = (throttle for _ in self._throttles)
-        state = psi, theta, phi, *ground, p, q, r, *_CONTROLS(values), *throttles
-        for write, value in zip(self._write, state, strict=True):
-            write(value)
+        commands = [*_CONTROLS(values), *[throttle] * self._engines]
+        self._write([psi, theta, phi, *ground, p, q, r, *commands])
         return throttle
 
     def _accelerations(self) -> np.ndarray:
@@ -352,7 +351,7 @@ class SteadyFlight:
         if self.in_time:
             self._airframe.run_no_time()
         self.effort.steps += _READING
-        return (np.array([read() for read in self._read]) - self._target) / self._tolerances
+        return (np.array(self._read()) - self._target) / self._tolerances
 
     def _spin(self, residual: float) -> None:
         """Let the propellers settle in held flight."""
@@ -362,16 +361,16 @@ class SteadyFlight:
         with self._airframe.held():
             self._start_engines()
             self._spin_at_fixed_pitch()
-            before = [read() for read in self._propellers]
+            before = self._propellers()
             for row in range(_ROWS):
                 at_once = self.leaps and not self._has_governor
                 if self.effort.over or (at_once and row >= _ROWS_AT_FIXED_PITCH):
                     break
-                pitch = [read() for read in self._pitches]
+                pitch = self._pitches()
                 for _ in range(_ROW):
                     self._fdm.run()
                 self.effort.steps += _ROW
-                now = [read() for read in self._propellers]
+                now = self._propellers()
                 rows.append(now)
                 pairs = zip(now, before, strict=True)
                 change = max(abs(a - b) / max(abs(a), 1.0) for a, b in pairs)
@@ -379,9 +378,9 @@ class SteadyFlight:
                 self.has_settled = change <= tolerance or (goes_round and change <= _ROUND)
                 if self.has_settled:
                     break
-                if self.leaps and pitch == [read() for read in self._pitches]:
+                if self.leaps and pitch == self._pitches():
                     self._spin_at_fixed_pitch()
-                    again = [read() for read in self._propellers]
+                    again = self._propellers()
                     self.leaps = math.dist(again, before) > 0.01 * math.dist(now, before)
                     # its large steps keep a torque limiter from settling
                     self.leaps &= not goes_round
@@ -418,7 +417,7 @@ class SteadyFlight:
             return
         with self._airframe.governors_off():
             self._fdm.get_propulsion().get_steady_state()
-        self.effort.steps += _STEADY_STATE * len(self._throttles)
+        self.effort.steps += _STEADY_STATE * self._engines
 
 
 def _goes_round(rows: Sequence[list[float]]) -> bool:

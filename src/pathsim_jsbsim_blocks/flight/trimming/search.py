@@ -23,6 +23,9 @@ _ITERATIONS = 30
 # strides; a search that comes this close to the end of an earlier one would repeat it, and stops
 _ON_THE_WAY = 0.02
 
+# maximum relative difference of the residuals of two ends at one limit that count as the same
+_SAME_END = 0.5
+
 # fractions of a step that are tried until the residuals decrease
 _SHARES = (1.0, 0.4, 0.16, 0.06, 0.02)
 
@@ -44,16 +47,19 @@ def descend(
     flight: SteadyFlight,
     x: np.ndarray,
     slopes: np.ndarray | None = None,
-    ends: Sequence[np.ndarray] = (),
+    ends: Sequence[Reached] = (),
 ) -> Reached:
-    """Search from ``x`` to its end; stop near one of the ``ends`` of earlier searches."""
+    """Search from ``x`` to its end; stop near one of the ``ends`` of earlier searches.
+
+    Also stop at the same limit as one of them instead of renewing slopes that show no way on.
+    """
     x = np.minimum(np.maximum(x, flight.low), flight.high)
     r = flight.settled(x)
     norm = _norm(r)
     for _ in range(_ITERATIONS):
         if size(r) <= POLISHED or not math.isfinite(norm) or flight.effort.over:
             break
-        if any((abs(x - end) <= _ON_THE_WAY * flight.strides).all() for end in ends):
+        if any((abs(x - end.x) <= _ON_THE_WAY * flight.strides).all() for end in ends):
             break
         fresh = slopes is None
         if slopes is None:
@@ -62,25 +68,26 @@ def descend(
                 slopes = None
                 break
         full = _step(flight, x, r, slopes)
-        to = x + full
-        at_limit = ((to <= flight.low) | (to >= flight.high)).any()
-        hopeless = _norm(r + slopes @ full) > (_MAX_LEFT_AT_LIMIT if at_limit else _MAX_LEFT) * norm
-        better = None if hopeless else _shortened(flight, x, full, norm, fresh)
+        better = None if _is_hopeless(flight, x + full, _norm(r + slopes @ full) / norm) else _shortened(flight, x, full, norm, fresh)
         if better is None:
-            if fresh:
+            if fresh or any(at_one_limit(flight, end, Reached(x, r, slopes)) for end in ends):
                 break
             slopes = None
             continue
         y, ry, shorter = better
-        if shorter < 0.5 * norm:
-            # Broyden's update in the scaled unknowns
-            moved = (y - x) / flight.strides
-            gap = ry - r - slopes @ (y - x)
-            slopes = slopes + gap[:, None] * (moved / flight.strides / (moved @ moved))
-        else:
-            slopes = None
+        # Broyden's update in the scaled unknowns
+        moved = (y - x) / flight.strides
+        gap = ry - r - slopes @ (y - x)
+        slopes = slopes + gap[:, None] * (moved / flight.strides / (moved @ moved))
         x, r, norm = y, ry, shorter
     return Reached(x, r, slopes)
+
+
+def _is_hopeless(flight: SteadyFlight, to: np.ndarray, left: float) -> bool:
+    """Whether a step would leave too large a fraction of the residuals."""
+    if left <= _MAX_LEFT_AT_LIMIT:
+        return False
+    return left > _MAX_LEFT or bool(((to <= flight.low) | (to >= flight.high)).any())
 
 
 def _shortened(
@@ -94,6 +101,14 @@ def _shortened(
         if shorter < norm * (1.0 - 1e-3 * share):
             return y, r, shorter
     return None
+
+
+def at_one_limit(flight: SteadyFlight, one: Reached, other: Reached) -> bool:
+    """Whether two searches have ended at the same limit, with similar residuals."""
+    low = (one.x <= flight.low) & (other.x <= flight.low)
+    high = (one.x >= flight.high) & (other.x >= flight.high)
+    apart = np.linalg.norm(one.residuals - other.residuals)
+    return bool((low | high).any() and apart < _SAME_END * np.linalg.norm(one.residuals))
 
 
 def _norm(r: np.ndarray) -> float:
@@ -118,7 +133,7 @@ def bounded(
     # the active set method of Stark and Parker (1995), started with the limits that the optimum
     # without limits exceeds; scipy's lsq_linear is slower, also to import
     held = (best < low) | (best > high)
-    if not held.any():
+    if not any(held.tolist()):
         return best
     x = np.minimum(np.maximum(best, low), high)
     square, aim, unit = a.T @ a, a.T @ b, np.eye(len(best))
@@ -141,7 +156,7 @@ def bounded(
             continue
         x = y
         # Lagrange multipliers of the active limits; a negative one means that it can be released
-        uphill = a.T @ (a @ x - b)
+        uphill = square @ x - aim
         back = np.where(held, np.where(x <= low, uphill, -uphill), 0.0)
         i = int(back.argmin())
         if back[i] >= -1e-10 * (1.0 + abs(uphill).max()):

@@ -20,14 +20,11 @@ from .effects import model_fault
 from .equations import Effort, SteadyFlight, size
 from .failure import LIMITS, failure
 from .initial import engines_off, initialise, is_initial, properties
-from .search import POLISHED, Reached, descend
+from .search import POLISHED, Reached, at_one_limit, descend
 from .state import STATE, TrimState, not_finite, read_state
 
 # initial guesses, tried until one leads to a trim: alpha in deg, throttle
 _GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
-
-# maximum relative difference of the residuals of two ends that count as the same
-_SAME_END = 0.5
 
 # bisections of the throttle between too little and too much thrust
 _HALVINGS = 10
@@ -63,9 +60,16 @@ class Seed(NamedTuple):
     in_time: bool
     trimmed: bool
 
-    def fits(self, flight: SteadyFlight) -> bool:
-        """Whether a flight has the same unknowns and residuals."""
-        return flight.names == self.names and len(self.slopes) == len(flight.used)
+    def set_up(self, flight: SteadyFlight) -> bool:
+        """Adapt a flight to the model as its last search did; False if it has other unknowns."""
+        without = "elevator" in self.names and "pitch_trim" in flight.names
+        names = ["elevator" if without and n == "pitch_trim" else n for n in flight.names]
+        if names != self.names or len(self.slopes) != len(flight.used):
+            return False
+        if without:
+            flight.without_pitch_trim()
+        flight.has_memory = self.has_memory
+        return True
 
 
 class Trimmer:
@@ -246,11 +250,8 @@ class Trimmer:
     ) -> tuple[TrimState, HandsOff | None] | None:
         """The trim near the last one; None without full precision, or if it does not hold."""
         flight = SteadyFlight(self.airframe, condition, self._effort, seed.in_time)
-        if "elevator" in seed.names:
-            flight.without_pitch_trim()
-        if not seed.fits(flight):
+        if not seed.set_up(flight):
             return None
-        flight.has_memory = seed.has_memory
         reached = descend(flight, seed.x, seed.slopes)
         if reached.size <= POLISHED:
             with contextlib.suppress(TrimError):
@@ -262,10 +263,13 @@ class Trimmer:
         self, condition: TrimCondition, seed: Seed | None, in_time: bool, fly: float
     ) -> tuple[TrimState, HandsOff | None]:
         flight = SteadyFlight(self.airframe, condition, self._effort, in_time)
-        flight.try_out()
+        slopes = None
+        if seed and not seed.trimmed and seed.in_time == in_time and seed.set_up(flight):
+            slopes = seed.slopes
+        else:
+            flight.try_out()
         self._leaves_traces = flight.leaves_traces
         best: Reached | None = None
-        slopes = seed.slopes if seed and not seed.trimmed and seed.fits(flight) else None
         for reached in self._ends(flight, slopes):
             best = reached if best is None or reached.size < best.size else best
             if best.size <= 1.0 or self._effort.over or self.airframe.not_running():
@@ -276,25 +280,25 @@ class Trimmer:
 
     def _ends(self, flight: SteadyFlight, slopes: np.ndarray | None) -> Iterator[Reached]:
         """Ends of searches from the first guesses in turn; the first search uses ``slopes``."""
-        ends: list[np.ndarray] = []
-        before: Reached | None = None
+        ends: list[Reached] = []
         for alpha, throttle in _GUESSES:
             reached = descend(flight, flight.guess(alpha, throttle), slopes, ends=ends)
             yield reached
-            if before and _at_one_limit(flight, before, reached):
+            if ends and at_one_limit(flight, ends[-1], reached):
                 # two searches from distant guesses end at the same limit: so would the others
                 break
-            ends.append(reached.x)
-            before, slopes = reached, reached.slopes
-        if before and (x := _within_thrust(flight, before)) is not None:
+            ends.append(reached)
+            slopes = reached.slopes
+        if (x := _within_thrust(flight, ends[-1])) is not None:
             yield descend(flight, x)
         i = flight.names.index("alpha")
-        if "speed" in flight.names or all(flight.low[i] < x[i] < flight.high[i] for x in ends):
+        low, high = flight.low[i], flight.high[i]
+        if "speed" in flight.names or all(low < end.x[i] < high for end in ends):
             return
         # if lift is insufficient, a trim at a higher speed is a better start than any guess
         speed = flight.given["speed"]
         flight.given["speed"] = _FASTER * speed
-        faster = descend(flight, flight.guess(*_GUESSES[0]))
+        faster = descend(flight, flight.guess(*_GUESSES[0]), slopes)
         flight.given["speed"] = speed
         if faster.size <= 1.0:
             yield descend(flight, faster.x, faster.slopes, ends=ends)
@@ -412,14 +416,6 @@ def _within_thrust(flight: SteadyFlight, reached: Reached) -> np.ndarray | None:
         else:
             end = x[i]
     return x
-
-
-def _at_one_limit(flight: SteadyFlight, one: Reached, other: Reached) -> bool:
-    """Whether two searches have ended at the same limit, with similar residuals."""
-    low = (one.x <= flight.low) & (other.x <= flight.low)
-    high = (one.x >= flight.high) & (other.x >= flight.high)
-    apart = np.linalg.norm(one.residuals - other.residuals)
-    return bool((low | high).any() and apart < _SAME_END * np.linalg.norm(one.residuals))
 
 
 def _at_end(flight: SteadyFlight, x: np.ndarray, r: np.ndarray) -> np.ndarray:
