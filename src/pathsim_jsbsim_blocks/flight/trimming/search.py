@@ -68,7 +68,8 @@ def descend(
                 slopes = None
                 break
         full = _step(flight, x, r, slopes)
-        better = None if _is_hopeless(flight, x + full, _norm(r + slopes @ full) / norm) else _shortened(flight, x, full, norm, fresh)
+        hopeless = _is_hopeless(flight, x + full, _norm(r + slopes @ full) / norm)
+        better = None if hopeless else _shortened(flight, x, full, norm, fresh)
         if better is None:
             if fresh or any(at_one_limit(flight, end, Reached(x, r, slopes)) for end in ends):
                 break
