@@ -108,6 +108,15 @@ def test_a_mode_is_printed_in_one_line(pole, text):
     assert str(Mode("m", pole, {"q": 0.95, "theta": 0.05})) == text
 
 
+def test_time_to_half_and_to_double():
+    (stable,) = model([[-0.5]], ("phi",)).modes()
+    (unstable,) = model([[0.5]], ("phi",)).modes()
+    assert stable.time_to_half == pytest.approx(math.log(2) / 0.5)
+    assert math.isnan(stable.time_to_double)
+    assert unstable.time_to_double == pytest.approx(math.log(2) / 0.5)
+    assert (stable.damping, unstable.damping) == (1.0, -1.0)
+
+
 def pair(frequency, damping):
     re, im = -damping * frequency, frequency * math.sqrt(1 - damping**2)
     return [[re, im], [-im, re]]

@@ -21,7 +21,10 @@ def test_each_point_has_the_modes_of_its_model(table):
     condition = TrimCondition(altitude=5000, speed=80, setup={"propulsion/fuel_freeze": 1.0})
     found = {m.name: m.pole for m in linear_model("c172p", condition).modes()}
     row = table.iloc[1]
-    assert row.dutch_roll_real + 1j * row.dutch_roll_imag == pytest.approx(found["Dutch roll"])
+    for name in ("short period", "phugoid", "Dutch roll"):
+        column = name.lower().replace(" ", "_")
+        pole = row[f"{column}_real"] + 1j * row[f"{column}_imag"]
+        assert pole == pytest.approx(found[name]), name
     assert row.roll_real == pytest.approx(found["roll"].real)
     assert np.isnan(row.short_period_2_real)
 
