@@ -72,18 +72,6 @@ def test_an_export_by_name_is_written_here_and_not_in_the_catalogue(tmp_path, mo
     assert len(made["graph"]["nodes"]) == len(json.loads(before[1])["graph"]["nodes"])
 
 
-def test_run_saves_figure_and_signals(tmp_path, capsys):
-    figure, signals = tmp_path / "a.png", tmp_path / "a.csv"
-    assert main(["run", "hello_jsbsim", "--save", str(figure), "--csv", str(signals)]) == 0
-    assert figure.read_bytes().startswith(b"\x89PNG")
-    with signals.open() as file:
-        rows = list(csv.reader(file))
-    assert rows[0][:2] == ["time [s]", "altitude [ft]"]
-    assert [len(rows[0]), len(rows)] == [6, 122]
-    assert float(rows[-1][1]) == pytest.approx(3000.0, abs=0.01)
-    assert "62.157 %" in capsys.readouterr().out
-
-
 def test_a_study_takes_another_aircraft_and_condition(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     options = ["--aircraft", "c172p", "--altitude", "3000", "--speeds", "70:90:10", "--jobs", "1"]
