@@ -44,9 +44,9 @@ def test_new_blocks_stand_beside_those_that_were_there():
     assert [n["params"] for n in new["graph"]["nodes"]] == [{"_rotation": 1}, {}, {}]
     (note,) = written([A, B], [A_TO_B], docstring="Title.", existing=old)["graph"]["annotations"]
     assert (note["width"], note["position"]) == (420, {"x": 1000, "y": 480 - 50 - 30})
-    # where its place is taken, below: 40 high and 30 between
-    old["graph"]["nodes"][1]["position"]["x"] = 1400
-    old["graph"]["nodes"][0]["position"]["x"] = 860
+    # below where another block stands within 20 px of its place: 40 high and 30 between
+    old["graph"]["nodes"][1]["position"]["x"] = 1430
+    old["graph"]["nodes"][0]["position"]["x"] = 830
     new = written([A, B, c], [A_TO_B, Wire(1, 0, 2, 0)], existing=old)
     assert positions(new["graph"]["nodes"])["c"] == (1340, 570)
 
