@@ -51,10 +51,15 @@ def test_new_blocks_stand_beside_those_that_were_there():
     assert positions(new["graph"]["nodes"])["c"] == (1340, 570)
 
 
-def test_an_event_stays_where_it_was():
-    event = Event("tick", "pathsim.events.Event", {})
-    old = {"events": [{"name": "tick", "position": {"x": 7, "y": 8}}]}
-    assert positions(written([A], events=[event], existing=old)["events"]) == {"tick": (7, 8)}
+def test_events_stand_in_a_row_below_the_blocks_or_stay_where_they_were():
+    events = [Event(name, "pathsim.events.Event", {}) for name in ("first", "second", "third")]
+    old = {"events": [{"name": "third", "position": {"x": 7, "y": 8}}]}
+    # the blocks end at 20; an event is 80 wide
+    assert positions(written([A, B], [A_TO_B], events, existing=old)["events"]) == {
+        "first": (40, 140),
+        "second": (160, 140),
+        "third": (7, 8),
+    }
 
 
 SCRIPT = """
