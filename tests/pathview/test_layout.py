@@ -168,3 +168,16 @@ def test_too_short_a_way_back_is_widened_about_its_middle():
     assert [x["back"], x["way"]] == pytest.approx(
         [middle + 130 * side / 3 for side in (1, -1)], abs=5
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "pinned", "expected"),
+    [
+        ("a" * 10, "Block", 0, (80, 40)),
+        ("a" * 11, "Block", 0, (100, 40)),  # 6 px for a letter of the name, 5 for one of the type
+        ("a", "B" * 13, 0, (100, 40)),
+        ("a", "Block", 2, (160, 100)),  # and 24 for a pinned parameter
+    ],
+)
+def test_a_block_is_as_large_as_pathview_draws_it(name, kind, pinned, expected):
+    assert size(Node(name, kind, {}, [], ["out"]), pinned) == expected
