@@ -26,7 +26,7 @@ FAST = (
     ),
     "guidance/test_laws_of_approaches.py",
     "design/test_plant.py",
-    "linear/test_margins.py",
+    "linear/test_plots_of_models.py",
     *(f"flight/test_{name}.py" for name in ("aircraft", "contact", "fields", "limits", "points")),
     *(f"pathview/test_{name}.py" for name in ("convert", "layout", "unreadable")),
     *(f"test_{name}.py" for name in ("budgets", "conventions", "promises", "sources", "units")),
