@@ -181,3 +181,9 @@ def test_too_short_a_way_back_is_widened_about_its_middle():
 )
 def test_a_block_is_as_large_as_pathview_draws_it(name, kind, pinned, expected):
     assert size(Node(name, kind, {}, [], ["out"]), pinned) == expected
+
+
+def test_names_of_ports_have_room_inside_a_block():
+    # 8 px and 4 for each letter, in steps of 20; numbers and recorders show no names
+    for kind, port, width in (("Block", "a" * 16, 160), ("Block", "in 0", 80), ("Scope", "aa", 80)):
+        assert size(Node("a", kind, {}, [port], [])) == (width, 40)
