@@ -268,7 +268,7 @@ def _ceilings(plane: Plane) -> None:
         high = next((i for i, altitude in enumerate(order) if rates[altitude] < limit), 0)
         if not high:
             least = min(rates, key=lambda altitude: rates[altitude])
-            why = f"above {_HIGHEST:.0f} ft: its rate of climb is minimum at {least:.0f} ft"
+            why = f"above {_HIGHEST:.0f} ft: its rate of climb has its minimum at {least:.0f} ft"
         if high < 2:
             plane.put(f"{name} ceiling", None, reason=why)
             continue
