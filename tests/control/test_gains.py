@@ -60,6 +60,14 @@ def test_editors_know_the_names_of_all_tables():
     assert sorted(get_args(TableName)) == sorted(path.stem for path in TABLES.glob("*.json"))
 
 
+def test_gains_of_a_glider_have_no_airspeed_loop():
+    glider = dataclasses.replace(GAINS["737"], altitude=None, speed=None)
+    assert loop_gains(glider, "pitch") == (GAINS["737"].pitch,)
+    with pytest.raises(ParameterError, match="lack the loop 'speed'") as refused:
+        AirspeedHold(gains=glider)
+    assert refused.value.value is glider
+
+
 def test_an_aircraft_without_a_table_is_told_the_way_to_gains():
     with pytest.raises(ParameterError, match=r"design_gains, or from a file") as refused:
         PitchHold("ah1s")

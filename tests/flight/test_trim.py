@@ -336,6 +336,7 @@ def test_the_range_of_a_condition(name, low, high):
         ({"load_factor": 2}, "load_factor"),
         ({"payload": [-1]}, "payload[0]"),
         ({"fuel": {"left": 3}}, "fuel index"),
+        ({"fuel": {-1: 3.0}}, "fuel index"),
         ({"fuel": 100}, "fuel"),
         ({"alpha_min": 5, "alpha_max": 1}, "alpha_min"),
         ({"setup": ["a"]}, "setup"),

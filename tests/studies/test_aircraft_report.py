@@ -14,7 +14,7 @@ from models_from_outside import (
     without_pitch_command,
 )
 
-from pathsim_jsbsim_blocks import AircraftError
+from pathsim_jsbsim_blocks import AircraftError, ParameterError
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import aircraft_names
 from pathsim_jsbsim_blocks.studies import aircraft_report
@@ -101,6 +101,12 @@ def test_properties_from_outside_are_named_and_the_rest_is_with_zeros(tmp_path):
     report = aircraft_report("c172p", root, create={"outside/a": 0.0})
     assert report.missing == ()
     assert report.faults == ()
+
+
+def test_an_impossible_property_to_create_is_refused_and_is_no_fault_of_the_model():
+    with pytest.raises(ParameterError) as error:
+        aircraft_report("c172p", create={"outside/a": "high"})
+    assert error.value.parameter == "create['outside/a']"
 
 
 def test_a_reversed_aileron_is_a_fault_and_no_gains_are_offered(tmp_path):
