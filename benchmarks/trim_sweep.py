@@ -13,7 +13,7 @@ counted. The figures are medians over the repetitions, the ratios are formed wit
 Worker processes take a second or so to start and to import PathSim: "cold" includes that, "warm" is
 a second sweep in the same process.
 
-The ratio of the Newton search depends on the machine: three tenths of its time are JSBSim's (12,500
+The ratio of the Newton search depends on the machine: three tenths of its time are JSBSim's (14,700
 evaluations, 65 loaded models, flights from 364 trims), the rest is Python between them. Half of the
 time goes into showing that 316 points do not trim.
 """

@@ -281,6 +281,8 @@ def test_a_pull_up_curves_the_path_by_the_load_factor():
         ("c172p", {"speed": 60, "payload": [1500]}, "alpha limit", math.degrees(0.28)),
         ("SGS", {"altitude": 5000, "speed": 60}, "thrust", None),
         ("c172p", {"altitude": 3, "speed": 70}, "ground", None),
+        # its commands have effects
+        ("Camel", {"speed": 85, "mode": "pull-up", "load_factor": 3, "gamma": 8}, "thrust", 1.0),
     ],
 )
 def test_a_failure_names_the_limit_and_its_value(aircraft, condition, reason, limit):
@@ -548,7 +550,15 @@ def test_the_published_envelope_is_met_point_by_point(start):
 
 @pytest.mark.parametrize(
     ("aircraft", "altitude", "speeds"),
-    first([("737", 15000, (250, 260, 420, 270)), ("c172p", 5000, (90, 95, 30, 100))]),
+    first(
+        [
+            ("737", 15000, (250, 260, 420, 270)),
+            # at the first airspeed no surface has an effect, nor has the pitch trim
+            ("A4", 5000, (1e-4, 350)),
+            ("c172p", 5000, (90, 95, 30, 100)),
+        ],
+        2,
+    ),
 )
 def test_a_warm_start_finds_what_a_cold_one_finds(aircraft, altitude, speeds):
     airframe = Airframe(aircraft)

@@ -226,6 +226,8 @@ def test_the_reason_for_a_missing_value_is_in_the_table(aircraft, part, axes, re
         ({"altitudes": [[0.0]]}, "altitude"),
         ({"altitudes": 1e9}, "altitude"),
         ({"parts": ["climb"]}, "parts"),
+        ({"parts": "stall"}, "parts"),
+        ({"parts": []}, "parts"),
     ],
 )
 def test_bad_numbers_are_refused_at_once(axes, parameter):

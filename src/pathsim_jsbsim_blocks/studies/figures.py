@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import did_you_mean, nearest, one_of, refuse
+from .._core.checks import did_you_mean, name_list, nearest, one_of, refuse
 from ..plots import subplots
 from .modes import MODES, POLES, column
 
@@ -345,7 +345,8 @@ def performance_chart(table: pd.DataFrame, title: str = "", charts: Sequence[str
         "turn": ("turn", _over_speed, ("instantaneous load factor", "sustained load factor")),
         "field": ("field", _distances, ("landing distance", "take-off distance")),
     }
-    charts = [one_of("charts", chart, panels) for chart in charts or panels]
+    names = name_list("charts", charts) or panels
+    charts = [one_of("charts", chart, panels) for chart in names]
     lines = math.ceil(len(charts) / 2)
     figure, axes = subplots(
         lines, 2, squeeze=False, figsize=(10, 0.8 + 4 * lines), layout="constrained"
@@ -369,8 +370,9 @@ def performance_chart(table: pd.DataFrame, title: str = "", charts: Sequence[str
         ax.set_axis_off()
         failed = table[table.quantity.str.startswith("all of ")]
         why = table[(table.chart == chart) & table.value.isna()]
-        why = (failed if why.empty else why).reason.unique()
-        ax.text(0.5, 0.5, f"no {chart} chart:\n{', '.join(map(str, why))}", ha="center", wrap=True)
+        reasons = map(str, (failed if why.empty else why).reason.unique())
+        text = f"no {chart} chart:\n{', '.join(reasons) or 'not in the table'}"
+        ax.text(0.5, 0.5, text, ha="center", wrap=True)
     notes, flown = [_holes(table)], table.difference_percent.abs().dropna()
     if len(flown):
         notes.append(f"{len(flown)} values flown, half of them within {flown.median():.2g} %")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import one_of, positive, refuse
+from .._core.checks import name_list, one_of, positive, refuse
 from .._core.extras import required
 from .._core.units import GRAVITY, KNOT, RHO0
 from ..errors import BlocksError
@@ -427,7 +427,7 @@ def performance_table(
     jobs: int = -1,
     resume: str | Path | None = None,
     progress: bool = True,
-    parts: Iterable[str] = tuple(_PARTS),
+    parts: Sequence[str] = tuple(_PARTS),
 ) -> pd.DataFrame:
     """Performance of an aircraft: stall, level flight, climb, ceilings, glide, range, turns, V-n.
 
@@ -451,7 +451,7 @@ def performance_table(
     create : dict or "missing", optional
         properties that the model expects from outside, with their values; other missing ones are
         created as 0
-    parts : iterable of str, optional
+    parts : sequence of str, optional
         of `level` (level flight, climb, glide and range), `turn`, `V-n`, `ceiling`, `stall` and
         `field`; default all
 
@@ -479,7 +479,9 @@ def performance_table(
     common: Row = {"aircraft": airframe.aircraft, "root": root, "flaps": None}
     common["create"] = airframe.created
     common |= {"altitude": at[0], "weight": loadings[0]}
-    chosen = {one_of("parts", part, _PARTS) for part in parts}
+    chosen = {one_of("parts", part, _PARTS) for part in name_list("parts", parts)}
+    if not chosen:
+        refuse("parts", parts, "no parts")
     tasks = [{**common, "part": "level", "altitude": h, "weight": w} for w in loadings for h in at]
     tasks += [{**common, "part": part} for part in ("turn", "V-n", "field")]
     tasks += [{**common, "part": "ceiling", "weight": w} for w in loadings]

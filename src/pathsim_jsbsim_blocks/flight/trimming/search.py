@@ -76,10 +76,13 @@ def descend(
             slopes = None
             continue
         y, ry, shorter = better
-        # Broyden's update in the scaled unknowns
-        moved = (y - x) / flight.strides
-        gap = ry - r - slopes @ (y - x)
-        slopes = slopes + gap[:, None] * (moved / flight.strides / (moved @ moved))
+        if shorter < 0.5 * norm:
+            # Broyden's update in the scaled unknowns
+            moved = (y - x) / flight.strides
+            gap = ry - r - slopes @ (y - x)
+            slopes = slopes + gap[:, None] * (moved / flight.strides / (moved @ moved))
+        else:
+            slopes = None
         x, r, norm = y, ry, shorter
     return Reached(x, r, slopes)
 

@@ -63,6 +63,9 @@ class Seed(NamedTuple):
     def set_up(self, flight: SteadyFlight) -> bool:
         """Adapt a flight to the model as its last search did; False if it has other unknowns."""
         without = "elevator" in self.names and "pitch_trim" in flight.names
+        if without and not self.trimmed:
+            # a pitch trim without effect there, at almost no airspeed, may have one here
+            return False
         names = ["elevator" if without and n == "pitch_trim" else n for n in flight.names]
         if names != self.names or len(self.slopes) != len(flight.used):
             return False
@@ -224,6 +227,7 @@ class Trimmer:
     ) -> tuple[TrimState, HandsOff | None]:
         """The first trim from the seed or a guess that holds in a short flight."""
         airframe = self.airframe
+        elevator = airframe.fdm[STATE["elevator"]]
         if seed is not None and seed.trimmed:
             with airframe.engines_stopped():
                 if result := self._from_seed(condition, seed, fly):
@@ -242,6 +246,8 @@ class Trimmer:
                 if error.reason != "no equilibrium":
                     break
         self._used, self._spent = True, self._leaves_traces
+        # a search that moves the pitch trim instead would keep it
+        airframe.fdm[STATE["elevator"]] = elevator
         assert refused is not None
         raise refused
 
