@@ -19,9 +19,11 @@ import weakref
 from pathlib import Path
 
 import jsbsim
+import numpy as np
 import pytest
 from fleet_conditions import FLYING
 from models_from_outside import changed
+from pathsim import Simulation
 
 from pathsim_jsbsim_blocks import Aircraft, AircraftError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, empty_weight_cg
@@ -256,6 +258,21 @@ for allow in (False, True):
     )
     assert report == [[], [["tcp", tcp], ["udp", udp]]]
     assert printed == b""
+
+
+@pytest.mark.parametrize("mode", ["full", "none"])
+def test_a_file_that_is_allowed_has_the_last_flight_without_its_trim(mode, tmp_path):
+    output = '<output name="flight.csv" type="CSV" rate="10"><velocities> ON </velocities></output>'
+    root = changed(tmp_path / "root", "c172p", ("</fdm_config>", f"{output}</fdm_config>"))
+    plane = Aircraft("c172p", mode=mode, root=root, allow_files=True)
+    simulation = Simulation([plane], dt=plane.T, log=False)
+    for _ in range(2):
+        simulation.run(1.0, reset=True)
+        plane.response("elevator", [0.01], "q")
+        title, *rows = Path(root, "flight.csv").read_text().splitlines()
+        assert title.startswith("Time")
+        assert len(rows) == 10
+        assert np.ptp([float(row.partition(",")[0]) for row in rows]) == pytest.approx(0.9)
 
 
 def test_copies_with_another_cg_are_gone_after_loading(outside):

@@ -218,24 +218,29 @@ class Airframe(PropertyTree):
 
     def _choose_outputs(self) -> None:
         """Switch off the outputs of the model that are not allowed; send to FlightGear."""
-        fdm, allowed = self.fdm, self._flightgear is not None
+        fdm, self._outputs = self.fdm, list[str]()
         for i in itertools.count():
             switch = f"simulation/output[{i}]/enabled"
             if not self._properties.hasNode(switch):
                 break
             if self._network if _SOCKET.search(fdm.get_output_filename(i)) else self._files:
-                allowed = True
+                self._outputs.append(switch)
             else:
-                fdm[switch] = 0.0
                 fdm.set_output_filename(i, os.devnull)
+            fdm[switch] = 0.0
         if self._flightgear is not None:
             xml = directive(*self._flightgear)
             send = lambda: _with_file(xml, fdm.set_output_directive)  # noqa: E731
             self._do("send aircraft {!r} to FlightGear", send)
-        if allowed:
+        if self._outputs or self._flightgear is not None:
             fdm.enable_output()
         else:
             fdm.disable_output()
+
+    def start_outputs(self) -> None:
+        """Switch on the model's outputs that are allowed: they are of a flight, not of its trim."""
+        for switch in self._outputs:
+            self.fdm[switch] = 1.0
 
     def _load(self) -> str:
         return failure_of(lambda: self.fdm.load_model(self.aircraft))

@@ -350,6 +350,7 @@ class FlightBlock(Parametric, SampledPlant):
     def take_off(self, y: list[float]) -> None:
         """Show the start of a flight, with these outputs."""
         self.start_from(y)
+        self.airframe.start_outputs()
         for observe in from_trim.at_take_off:
             observe(self)
 
