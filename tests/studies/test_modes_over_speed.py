@@ -52,3 +52,8 @@ def test_the_chart_has_frequency_damping_and_real_poles(table):
 def test_bad_input(given, error, said):
     with pytest.raises(error, match=said):
         modes_over_speed(**given)
+
+
+def test_a_glider_has_no_thrust_for_level_flight_and_no_fuel_to_freeze():
+    table = modes_over_speed(aircraft="SGS", speeds=[45], jobs=1, progress=False)
+    assert [*table.reason] == ["thrust"]

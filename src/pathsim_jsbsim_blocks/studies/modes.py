@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +14,7 @@ from .._core.checks import number, refuse
 from .._core.extras import required
 from ..errors import LinearisationError, TrimError
 from ..flight.airframe import Airframe
-from ..flight.model_files import has_retractable_gear
-from ..flight.trimming.condition import TrimCondition
+from ..flight.fleet import prepared
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -118,12 +118,9 @@ def _modes_at(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
     rows = []
     for point in points:
-        condition = TrimCondition(
-            altitude=point["requested_altitude_ft"],
-            speed=point["requested_speed_kcas"],
-            gear=0.0 if has_retractable_gear(point["aircraft"]) else None,
-            setup={"propulsion/fuel_freeze": 1.0},
-        )
+        _, clean = prepared(point["aircraft"], None)
+        altitude, speed = point["requested_altitude_ft"], point["requested_speed_kcas"]
+        condition = replace(clean, altitude=altitude, speed=speed)
         row: dict[str, Any] = {"trimmed": True, "reason": "", "warning": ""}
         rows.append(row)
         try:
