@@ -4,7 +4,6 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from how_many import first
 from pathsim import Subsystem
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram, load_diagram
@@ -66,7 +65,8 @@ def editor(fresh_editor):
     return fresh_editor
 
 
-@pytest.mark.parametrize("name", first(NAMES))
+@pytest.mark.long
+@pytest.mark.parametrize("name", NAMES)
 def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
     model = models[f"{name}.pvm"] = pvm.read(find_diagram(name).with_suffix(".pvm"))
     script = load_diagram(name)

@@ -211,6 +211,7 @@ print("still there", flush=True)
 """
 
 
+@pytest.mark.long
 def test_no_refusal_and_no_airframe_that_is_let_go_ends_the_process(tmp_path):
     # each of them did: an exception of JSBSim's destructors, or a null pointer
     places = ("an aerodynamic function", "an angle")
