@@ -148,7 +148,7 @@ def test_flights_have_the_values_of_the_trims(aircraft, altitude):
 def test_a_model_that_climbs_ever_better_has_no_ceiling():
     """The table of the F4N's engine ends at 50,000 ft."""
     for reason in table("F4N", "ceiling", altitude=5000.0).reason:
-        assert reason == "above 90000 ft: its rate of climb is minimum at 55000 ft"
+        assert reason == "above 90000 ft: its rate of climb has its minimum at 55000 ft"
 
 
 def test_a_chart_resumes_from_its_file(tmp_path):
