@@ -86,7 +86,8 @@ RECIPE = (Path(__file__).parents[1] / "docs" / "messages.md").read_text("utf-8")
 RECIPE = RECIPE.partition("## Warnings")[2].partition("```python")[2].partition("```")[0]
 
 
-@pytest.mark.parametrize("first", [pytest.param("", marks=pytest.mark.long), "simulate()\n"])
+@pytest.mark.long
+@pytest.mark.parametrize("first", ["", "simulate()\n"])
 def test_an_application_that_captures_warnings_gets_all(first):
     """By the recipe of the page: the handler gets ours and others', and nothing undoes it."""
     mine = (

@@ -128,6 +128,7 @@ def test_turbulence_at_low_speed_on_designed_gains(name):
     assert worst[f"{name}-designed"] < 0.9 * worst[name]
 
 
+@pytest.mark.long
 def test_turbulence_at_75_kcas_on_designed_gains():
     rough = {**TURBULENCE, "atmosphere/randomseed": 4}
     flight = fly(

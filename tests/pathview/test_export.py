@@ -471,6 +471,7 @@ def test_functions_of_a_module_beside_the_script_are_copied(written, tmp_path):
     assert [code(written(beside, name)) for name in ("a", "other/a")] == ["K = 2.0", "K = 3.0"]
 
 
+@pytest.mark.long
 def test_draws_before_the_run_are_numbers_and_blocks_without_a_seed_fly_alike(export):
     with pytest.warns(UserWarning, match="random numbers without a seed .* are fixed"):
         model = export(

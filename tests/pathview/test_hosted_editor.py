@@ -57,6 +57,7 @@ def hosted():
     return json.loads(answer.stdout)
 
 
+@pytest.mark.long
 def test_the_diagrams_without_aircraft_run(hosted):
     aircraft = {"Aircraft", "JSBSimFDM", "LinearAircraft", "JSBSimWrapper"}
     without = [n for n in diagram_names() if not aircraft & _types(n)]
