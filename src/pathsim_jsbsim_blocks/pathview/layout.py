@@ -65,10 +65,11 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]], page: float = PAGE) -> L
     nodes = graph.nodes
     interface = next((i for i, n in enumerate(nodes) if n.type == "Interface"), None)
     # after a loop, the interface of a subsystem without inputs would widen the row beyond the page
-    loop = _loops(range(len(nodes)), {(w.source, w.target) for w in graph.wires})
+    wires = {(w.source, w.target) for w in graph.wires}
+    loop = _loops(range(len(nodes)), wires)
     sinks = {i for i, n in enumerate(nodes) if not n.outputs and not (loop and i == interface)}
     inner = [i for i in range(len(nodes)) if i not in sinks]
-    edges = {(w.source, w.target) for w in graph.wires if w.target not in sinks}
+    edges = {(source, target) for source, target in wires if target not in sinks}
     observed = {w.source for w in graph.wires if w.target in sinks}
     cut = {e for e in edges if e[0] == e[1] or e[1] == interface}
     loops: set[int] = set()

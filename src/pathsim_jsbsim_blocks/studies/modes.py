@@ -88,16 +88,17 @@ def modes_over_speed(
         why = f"{aircraft!r} needs speeds=...; the study has its own for {' and '.join(_SWEEPS)}"
         refuse("speeds", None, why)
     airspeeds = None if speeds is None else [number("speeds", x, above=0.0) for x in speeds]
-    points = [
+    points: list[dict[str, Any]] = [
         {"aircraft": name, "requested_altitude_ft": altitude, "requested_speed_kcas": float(speed)}
         for name in (_SWEEPS if aircraft is None else [aircraft])
         for speed in (_SWEEPS[name] if airspeeds is None else airspeeds)
     ]
     if not points:
         refuse("speeds", speeds, "speeds is empty")
+    clean = {name: prepared(name, None)[1] for name in {point["aircraft"] for point in points}}
     rows = run_parts(
         _modes_at,
-        [[point] for point in points],
+        [[{**point, "clean": clean[point["aircraft"]]}] for point in points],
         died={"trimmed": False, "reason": WORKER_DIED},
         describe=lambda point: "{aircraft} at {requested_speed_kcas:g} KCAS".format(**point),
         title=f"modes_over_speed, {len(points)} points",
@@ -118,9 +119,8 @@ def _modes_at(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
     rows = []
     for point in points:
-        _, clean = prepared(point["aircraft"], None)
         altitude, speed = point["requested_altitude_ft"], point["requested_speed_kcas"]
-        condition = replace(clean, altitude=altitude, speed=speed)
+        condition = replace(point["clean"], altitude=altitude, speed=speed)
         row: dict[str, Any] = {"trimmed": True, "reason": "", "warning": ""}
         rows.append(row)
         try:
