@@ -302,6 +302,7 @@ def drawn(*rows):
 
 def test_the_page_of_a_table_without_values_shows_the_reasons():
     figure = drawn({"chart": "turn", "quantity": "sustained load factor", "reason": "no engine"})
+    figure.draw_without_rendering()  # matplotlib warns of a layout in which panels have no room
     texts = [text.get_text() for ax in figure.axes for text in ax.texts]
     assert "no turn chart:\nno engine" in texts
     with pytest.raises(ParameterError) as error:

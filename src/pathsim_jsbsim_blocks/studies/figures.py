@@ -372,7 +372,7 @@ def performance_chart(table: pd.DataFrame, title: str = "", charts: Sequence[str
         why = table[(table.chart == chart) & table.value.isna()]
         reasons = map(str, (failed if why.empty else why).reason.unique())
         text = f"no {chart} chart:\n{', '.join(reasons) or 'not in the table'}"
-        ax.text(0.5, 0.5, text, ha="center", wrap=True)
+        ax.text(0.5, 0.5, text, ha="center", wrap=True, transform=ax.transAxes)
     notes, flown = [_holes(table)], table.difference_percent.abs().dropna()
     if len(flown):
         notes.append(f"{len(flown)} values flown, half of them within {flown.median():.2g} %")
