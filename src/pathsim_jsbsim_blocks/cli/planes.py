@@ -177,7 +177,7 @@ def modes(args: argparse.Namespace) -> None:
 
 
 def _print_modes(args: argparse.Namespace) -> None:
-    from ..flight.linear import linear_model
+    from ..flight import linear_model
     from ..linear import flying_qualities
 
     condition, setup, options = condition_of(args), *setup_and_model(args)

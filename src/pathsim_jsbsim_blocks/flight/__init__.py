@@ -10,12 +10,11 @@ from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition
 
 if TYPE_CHECKING:
-    from .aircraft import Aircraft
+    from .aircraft import Aircraft, linear_model
     from .fdm import JSBSimFDM
-    from .linear import linear_model
 else:
     # imported at first use: without PathSim, workers for trims start five times faster
-    _WITH_PATHSIM = {"Aircraft": "aircraft", "JSBSimFDM": "fdm", "linear_model": "linear"}
+    _WITH_PATHSIM = {"Aircraft": "aircraft", "JSBSimFDM": "fdm", "linear_model": "aircraft"}
 
     def __getattr__(name: str) -> Any:
         if name in _WITH_PATHSIM:

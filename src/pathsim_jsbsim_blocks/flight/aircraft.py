@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 from .._core.aircraft_ports import (
     ALMOST_NORTH,
@@ -24,8 +25,14 @@ from .airframe import Airframe
 from .block import FlightBlock, Read, Write
 from .channels import Channel, port_channel, unit_of
 from .flightgear import address
+from .options import AircraftOptions
 from .property_ports import behind
 from .trimming.condition import Mode, Solver, TrimCondition
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .block import LinearModel
 
 _STOP_TO_STOP = 2.0  # travel of a normalised command, -1 to 1
 
@@ -387,3 +394,56 @@ class _Further:
             self._start = [read() for read in self._readers]
         for put, start in zip(self._writers, self._start, strict=True):
             put(min(max(start + increment, self._low), self._high))
+
+
+def linear_model(
+    aircraft: str,
+    condition: TrimCondition | None = None,
+    method: Literal["flown", "algebraic"] = "flown",
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+    amplitude: Mapping[str, float] | None = None,
+    *,
+    T: float = 1 / 120,
+    substeps: int = 1,
+    **options: Unpack[AircraftOptions],
+) -> LinearModel:
+    """Linear model of an aircraft about a trim, with the commands and outputs of `Aircraft`.
+
+    Parameters
+    ----------
+    aircraft : str
+        name of the JSBSim model
+    condition : TrimCondition, optional
+        the trim; default 5000 ft and 100 KCAS
+    method, inputs, outputs, amplitude
+        as in `Aircraft.linear_model`
+    T : float
+        sample period in s
+    substeps : int
+        JSBSim steps per sample period
+    **options
+        ``setup``, ``properties``, ``root``, ``create``, ``allow_network`` or ``allow_files``, as
+        of `Aircraft`
+
+    Returns
+    -------
+    LinearModel
+
+    Raises
+    ------
+    LinearisationError
+        if no linear model exists: no steady trim in flight, an input at the end of its range
+        or without response, responses that no linear model fits
+    AircraftError, PropertyError, ParameterError, TrimError
+        for unknown names, impossible values, or no trim
+
+    Examples
+    --------
+    >>> model = linear_model("737", TrimCondition(altitude=5000, speed=260, gear=0.0))
+    >>> model.states
+    ('vt', 'alpha', 'beta', 'p', 'q', 'r', 'phi', 'theta', 'h', 'psi', 'lat', 'lon')
+    """
+    condition = TrimCondition() if condition is None else condition
+    plane = Aircraft(aircraft, condition=condition, T=T, substeps=substeps, **options)
+    return plane.linear_model(method, inputs, outputs, amplitude)

@@ -35,14 +35,13 @@ from .channels import Channel
 from .console import capture_console
 from .contact import GroundContact
 from .flightgear import next_address
-from .linear import model_of, response_of
 from .property_ports import check_ports, listed
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition, check_condition
 from .trimming.trimmer import Trimmer
 
 if TYPE_CHECKING:
-    from .linear import LinearModel
+    from ..linear.model import LinearModel
 
 # s; with longer steps than these JSBSim's integration is unstable
 _LONGEST_STEP = 0.1
@@ -251,7 +250,9 @@ class FlightBlock(Parametric, SampledPlant):
         ParameterError
             for an unknown method or port, naming the nearest
         """
-        return model_of(self, method, inputs, outputs, amplitude)
+        from ..linear import jsbsim  # beyond the core: imported when it is asked for
+
+        return jsbsim.model_about_trim(self, method, inputs, outputs, amplitude)
 
     def response(self, input: str, increments: Sequence[float], output: str) -> np.ndarray:
         """An output over increments on an input, the other inputs as trimmed.
@@ -277,7 +278,9 @@ class FlightBlock(Parametric, SampledPlant):
         FlightError
             if the aircraft cannot be flown on
         """
-        return response_of(self, input, increments, output)
+        from ..linear import jsbsim  # beyond the core
+
+        return jsbsim.response(self, input, increments, output)
 
     def to_statespace(self, t: float) -> Matrices:
         """A, B, C, D of the flown model about the trim, at any time of the flight.

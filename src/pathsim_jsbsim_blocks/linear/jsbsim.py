@@ -3,28 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from .._core.checks import one_of
 from .._core.pathsim_internals import values
-from ..flight.aircraft import Aircraft
 from ..flight.flyable import Flyable
 from ..flight.from_trim import twin
-from ..flight.trimming.condition import TrimCondition
 from .algebraic import algebraic_model
 from .flown import flown_model
 from .linearised import no_model
 from .model import LinearModel, find
-
-
-def linear_model_of(
-    aircraft: str, condition: TrimCondition | None, choices: tuple[Any, ...], **options: Any
-) -> LinearModel:
-    """Linear model of an aircraft by name; see `flight.linear_model`."""
-    condition = TrimCondition() if condition is None else condition
-    return model_about_trim(Aircraft(aircraft, condition=condition, **options), *choices)
 
 
 def model_about_trim(

@@ -115,7 +115,7 @@ def modes_over_speed(
 
 def _modes_at(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Poles of the modes at each point."""
-    from ..flight.linear import linear_model
+    from ..flight import linear_model
 
     rows = []
     for point in points:
