@@ -62,8 +62,6 @@ from .flight.fdm import JSBSimFDM as JSBSimFDM
 from .flight.trimming.condition import TrimCondition as TrimCondition
 from .flight.trimming.state import TrimState as TrimState
 from .guidance.altitude import AltitudeHold as AltitudeHold
-from .guidance.altitude import SpeedOnPitchHold as SpeedOnPitchHold
-from .guidance.altitude import VerticalSpeedHold as VerticalSpeedHold
 from .guidance.approach import GlideslopeHold as GlideslopeHold
 from .guidance.approach import LocalizerHold as LocalizerHold
 from .guidance.autopilot import Autopilot as Autopilot

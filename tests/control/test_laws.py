@@ -39,11 +39,18 @@ from pathsim_jsbsim_blocks import (
     HeadingHold,
     PitchHold,
     RollHold,
-    SpeedOnPitchHold,
-    VerticalSpeedHold,
     YawDamper,
 )
 from pathsim_jsbsim_blocks.guidance.protection import share_of_climb
+
+GAINS = {
+    "pitch": ATTITUDE,
+    "roll": {**ATTITUDE, "Kr": 0.01},
+    "heading": HEADING,
+    "altitude": ALTITUDE,
+    "speed": SPEED,
+    "yaw": {"K": 0.02},
+}
 
 
 @pytest.mark.parametrize("target", [None, 1.0])
@@ -196,17 +203,16 @@ def capturing(Kh, hdot_max, target, h, hdot):
     return demanded, state
 
 
-@pytest.mark.parametrize("hold", [VerticalSpeedHold, SpeedOnPitchHold])
-def test_climbs(wires, hold):
+@pytest.mark.parametrize("by", ["rate", "speed"])
+def test_climbs_of_the_autopilot(wires, by):
     limits, theta, target = (-0.7, 0.7), (-2.0, 5.0), 5040.0
     wires = wires | {"h": 4920.0 + 0.2 * np.arange(N), "vc": wires["vc"] - 1.0}
-    speed = {"speed": SPEED} if hold is SpeedOnPitchHold else {}
-    block = hold(
-        gains={"altitude": ALTITUDE, "pitch": ATTITUDE, **speed},
+    block = Autopilot(
+        GAINS,
         h_ref=target - wires["h_ref"][0],
         theta_min=theta[0],
         theta_max=theta[1],
-        authority=0.7,
+        elevator_authority=0.7,
         T=T,
     )
     wires["h_ref"] = NOTHING + wires["h_ref"][0]
@@ -236,7 +242,7 @@ def test_climbs(wires, hold):
         if engaging:
             now.update(rate=wires["hdot"][k], pi=PI(ALTITUDE["Kp"], ALTITUDE["Ki"], *theta))
             now["pi"].u = wires["theta"][k]
-        if hold is VerticalSpeedHold:
+        if by == "rate":
             asked = now["rate"] + wires["hdot_ref"][k]
         elif state["captured"] and not engaging:
             asked = 0.0
@@ -248,6 +254,8 @@ def test_climbs(wires, hold):
 
     u, reference = elevator_for(climb, wires, limits)
     expected = {"elevator": u, "theta_cmd": reference, "hdot_cmd": demanded, "captured": captured}
+    wires |= {"pitch_off": wires["off"], "speed_off": wires["off"]}
+    wires["v_mode"] = NOTHING + {"rate": 1.0, "speed": 2.0}[by]
     assert_same(laws(block, **wires), expected, limits)
     assert 50 < np.count_nonzero(captured) < N - 200
 
@@ -303,17 +311,7 @@ def test_without_gain_or_sideslip_the_rudder_stays(wires):
     assert np.array_equal(plain["rudder"], integral["rudder"])
 
 
-GAINS = {
-    "pitch": ATTITUDE,
-    "roll": {**ATTITUDE, "Kr": 0.01},
-    "heading": HEADING,
-    "altitude": ALTITUDE,
-    "speed": SPEED,
-    "yaw": {"K": 0.02},
-}
-
-
-@pytest.mark.parametrize("inner", ["altitude", "pitch", "climb", "speed"])
+@pytest.mark.parametrize("inner", ["altitude", "pitch"])
 def test_the_autopilot_is_the_holds(wires, inner):
     offs = {
         name: np.roll(wires["off"], shift)
@@ -332,11 +330,7 @@ def test_the_autopilot_is_the_holds(wires, inner):
     }
     steady = wires | {"vc": 95.0 + 0.02 * wires["vc"], "vc_ref": NOTHING}  # no climb given up
     pitching = inner == "pitch"
-    v_mode = {"climb": 1.0, "speed": 2.0}.get(inner, 0.0)
     modes = {"pitch_mode": NOTHING + pitching, "roll_mode": NOTHING + pitching}
-    modes["v_mode"] = NOTHING + v_mode
-    # below 5020 ft while it climbs, until the middle
-    steady["h"] = np.where((np.arange(N) < N // 2) & (v_mode > 0.0), 4700.0, steady["h"])
     steady["vt"] = NOTHING + 170.0
     one = laws(
         Autopilot(
@@ -346,9 +340,8 @@ def test_the_autopilot_is_the_holds(wires, inner):
             phi_ref=2.0,
             psi_ref=10.0,
             vc_ref=96.0,
-            hdot_ref=5.0,
             bank_max=13.0,
-            hdot_max=None if v_mode else 9.0,
+            hdot_max=9.0,
             theta_min=-3.0,
             theta_max=5.0,
             T=T,
@@ -360,23 +353,20 @@ def test_the_autopilot_is_the_holds(wires, inner):
     )
     pitch = {"authority": numbers["elevator_authority"], "T": T}
     roll = {"authority": numbers["aileron_authority"], "T": T}
-    climb = {
-        "gains": {name: GAINS[name] for name in ("altitude", "pitch")},
-        "h_ref": 5020.0,
-        "theta_min": -3.0,
-        "theta_max": 5.0,
-        **pitch,
-    }
-    longitudinal = {
-        "pitch": lambda: PitchHold(GAINS["pitch"], theta_ref=1.0, **pitch),
-        "altitude": lambda: AltitudeHold(hdot_max=9.0, **climb),
-        "climb": lambda: VerticalSpeedHold(hdot_ref=5.0, **climb),
-        "speed": lambda: SpeedOnPitchHold(
-            vc_ref=96.0, **(climb | {"gains": climb["gains"] | {"speed": SPEED}})
-        ),
-    }
     holds = [
-        ("pitch_off", longitudinal[inner]()),
+        (
+            "pitch_off",
+            PitchHold(GAINS["pitch"], theta_ref=1.0, **pitch)
+            if pitching
+            else AltitudeHold(
+                {name: GAINS[name] for name in ("altitude", "pitch")},
+                h_ref=5020.0,
+                hdot_max=9.0,
+                theta_min=-3.0,
+                theta_max=5.0,
+                **pitch,
+            ),
+        ),
         (
             "roll_off",
             RollHold(GAINS["roll"], phi_ref=2.0, **roll)
@@ -398,10 +388,6 @@ def test_the_autopilot_is_the_holds(wires, inner):
     for off, hold in holds:
         several |= laws(hold, **(steady | {"off": offs[off]}))
     assert set(one) == set(several)
-    if v_mode:
-        assert 100 < np.count_nonzero(one["captured"]) < N - 100
-    if inner == "speed":  # the throttle is given until the capture
-        del several["throttle"], several["vc_cmd"]
     for name, signal in several.items():
         assert np.array_equal(one[name], signal), name
 

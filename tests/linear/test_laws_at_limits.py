@@ -15,7 +15,6 @@ from pathsim_jsbsim_blocks import (
     HeadingHold,
     PitchHold,
     RollHold,
-    VerticalSpeedHold,
     YawDamper,
 )
 
@@ -74,9 +73,16 @@ def test_holds_at_the_trim_of_their_aircraft_are_at_no_limit(aircraft):
     flight = {"c172p": (5000, 90, None), "737": (10_000, 280, 0.0)}[aircraft]
     plane = Aircraft(aircraft, **dict(zip(("altitude", "speed", "gear"), flight, strict=True)))
     holds = [
-        *(kind(gains=aircraft) for kind in (PitchHold, RollHold, AltitudeHold, HeadingHold)),
-        *(kind(gains=aircraft) for kind in (AirspeedHold, VerticalSpeedHold, YawDamper)),
-        Autopilot(gains=aircraft),
+        kind(gains=aircraft)
+        for kind in (
+            PitchHold,
+            RollHold,
+            AltitudeHold,
+            HeadingHold,
+            AirspeedHold,
+            YawDamper,
+            Autopilot,
+        )
     ]
     ports = [*plane.output_port_labels]
     wires = [

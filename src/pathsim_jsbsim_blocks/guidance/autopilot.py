@@ -89,10 +89,9 @@ class Autopilot(GuidedHold):
     """Autopilot with autothrottle and yaw damper in one block; the fastest to simulate.
 
     The loops are those of ``AltitudeHold`` or ``PitchHold``, ``HeadingHold`` or ``RollHold``,
-    ``AirspeedHold`` and ``YawDamper``, optionally of ``VerticalSpeedHold`` or ``SpeedOnPitchHold``,
-    sampled at T. With every port at 0 it holds the altitude, heading and airspeed at engagement.
-    Mode changes are bumpless: a new mode holds the values at its engagement plus its reference
-    port.
+    ``AirspeedHold`` and ``YawDamper``, sampled at T. With every port at 0 it holds the altitude,
+    heading and airspeed at engagement. Mode changes are bumpless: a new mode holds the values at
+    its engagement plus its reference port.
 
     With ``alpha`` connected and a gain table that has limits of the flight envelope, references are
     limited so that no command leads to a stall, to the ground or beyond the maximum airspeed; then

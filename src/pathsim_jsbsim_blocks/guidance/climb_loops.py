@@ -108,11 +108,11 @@ class AltitudeLoop:
 
 
 class SpeedOnPitchLoop:
-    """Rate of climb from true airspeed, as in `SpeedOnPitchHold`.
+    """Rate of climb from true airspeed: hdot_0 - V/g (2 zeta omega e + omega^2 int e dt).
 
-    Height is exchanged for speed at the present throttle. At constant energy dV/dt = -g/V dh/dt, so
-    omega and zeta are those of the airspeed for any aircraft whose rate of climb follows its
-    command faster.
+    e is the airspeed error. Height is exchanged for speed at the present throttle. At constant
+    energy dV/dt = -g/V dh/dt, so omega and zeta are those of the airspeed for any aircraft whose
+    rate of climb follows its command faster.
     """
 
     START = ReferenceLoop.START

@@ -34,17 +34,6 @@ fill = filler(
     theta, q
         pitch angle in deg, pitch rate in deg/s
     """,
-    capture="""
-    h_ref : float, optional
-        altitude to capture, ft; default: none, or if the port is not 0, its value above the
-        altitude at engagement
-    """,
-    climbing="""
-    hdot_cmd
-        commanded rate of climb, ft/s
-    captured
-        1 from the capture of the altitude on, otherwise 0
-    """,
 )
 
 

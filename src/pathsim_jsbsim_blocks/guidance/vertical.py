@@ -1,4 +1,4 @@
-"""Cascade from the altitude to the elevator, common to the climbing holds and the autopilot."""
+"""Cascade from the altitude to the elevator, common to `AltitudeHold` and the autopilot."""
 
 from __future__ import annotations
 
