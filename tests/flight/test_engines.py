@@ -71,11 +71,20 @@ def test_engines_are_known_by_their_files(aircraft, types, thrusters):
     assert [engine.number for engine in engines] == list(range(len(engines)))
 
 
-def test_a_file_that_python_cannot_read_is_no_error(tmp_path):
+def test_the_engines_are_those_of_the_files_that_were_loaded(tmp_path):
     root = outside.changed(tmp_path, "c172p")
     airframe = Airframe("c172p", root=root)
     (tmp_path / "aircraft/c172p/c172p.xml").write_text("<no", encoding="utf-8")
-    assert [engine.type for engine in airframe.engine_list] == ["unknown"]
+    assert [engine.type for engine in airframe.engine_list] == ["piston"]
+
+
+def test_a_file_that_python_cannot_read_is_no_error(tmp_path):
+    # an undeclared namespace, which JSBSim's parser ignores
+    root = outside.changed(tmp_path, "c172p")
+    file = tmp_path / "aircraft/c172p/c172p.xml"
+    text = file.read_text(encoding="utf-8").replace("<propulsion>", "<propulsion><x:note/>")
+    file.write_text(text, encoding="utf-8")
+    assert [engine.type for engine in Airframe("c172p", root=root).engine_list] == ["unknown"]
 
 
 def test_an_engine_file_that_has_changed_is_read_again(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 from pathsim_jsbsim_blocks import Aircraft, LinearisationError, TrimCondition
 from pathsim_jsbsim_blocks.design import design_gains
 from pathsim_jsbsim_blocks.errors import DesignError
+from pathsim_jsbsim_blocks.flight.model_xml import ModelXml
 from pathsim_jsbsim_blocks.linear.servos import hysteresis
 
 SLOW = TrimCondition(altitude=5000, speed=90)
@@ -61,9 +62,15 @@ def test_inputs_without_hysteresis_name_none():
 def test_a_servo_is_reached_through_the_control_system(tmp_path, component, servos):
     width = "<hysteresis_width> 0.02 </hysteresis_width>"
     channel = f"<channel name='c'>{component.format(width)}</channel>"
-    (tmp_path / "a.xml").write_text(f"<system>{channel}</system>")
-    (tmp_path / "broken.xml").write_text("<system>")
-    assert hysteresis(tmp_path, ["fcs/a-cmd"]) == dict.fromkeys(servos, 0.02)
+    folder = tmp_path / "aircraft" / "m"
+    folder.mkdir(parents=True)
+    files = "<system file='broken'/><system file='a'/>"
+    (folder / "m.xml").write_text(f"<fdm_config>{files}</fdm_config>")
+    (folder / "a.xml").write_text(f"<system>{channel}</system>")
+    (folder / "broken.xml").write_text("<system>")
+    (folder / "unused.xml").write_text(f"<system>{channel.replace('0.02', '0.5')}</system>")
+    components = ModelXml.of(folder / "m.xml").components
+    assert hysteresis(components, ["fcs/a-cmd"]) == dict.fromkeys(servos, 0.02)
 
 
 def test_the_algebraic_model_passes_it():

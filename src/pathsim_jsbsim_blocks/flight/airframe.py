@@ -15,6 +15,7 @@ import math
 import os
 import re
 import tempfile
+import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
@@ -33,10 +34,10 @@ from .._core.checks import (
 )
 from ..errors import AircraftError
 from .console import SEALED_PATH, capture_console, failure_of, never_free
-from .engines import Engine, engines_of
 from .flightgear import address, directive
 from .integrators import INTEGRATORS, integrator_properties
 from .model_files import ModelFile
+from .model_xml import Engine
 from .planet import gravity_properties, planet_xml
 from .property_tree import PropertyTree
 from .writable import ENGINE_RUNS
@@ -122,7 +123,6 @@ class Airframe(PropertyTree):
             self._equations |= gravity_properties(gravity)
         self._written: dict[str, float] = {}
         self.stopped: frozenset[int] = frozenset()
-        self._engine_list: tuple[Engine, ...] | None = None
         self._open()
 
     def renew(self) -> None:
@@ -178,7 +178,7 @@ class Airframe(PropertyTree):
         lacking: dict[str, float] = {}
         while True:
             failure = self._load_in_new_executive({**lacking, **self.created})
-            missing = self._file.references_beyond(self._properties.hasNode)
+            missing = self._missing()
             if missing:
                 # its destructor reads them, and would crash the process
                 never_free(self.fdm)
@@ -195,9 +195,19 @@ class Airframe(PropertyTree):
             self.created = self.created | lacking
             _warn_once(f"aircraft {self.aircraft!r}: {self.created_as_zero()}", self._file.path)
 
+    def _missing(self) -> list[str]:
+        """Properties to which the model refers and which do not exist."""
+        missing = []
+        for name in self._xml.references:
+            with contextlib.suppress(RuntimeError):  # not a property's name
+                if not self._properties.hasNode(name):
+                    missing.append(name)
+        return missing
+
     def _load_in_new_executive(self, created: Mapping[str, float]) -> str:
         """Load the model after creating properties; return why it failed, or an empty text."""
         capture_console()
+        self._xml = self._file.xml
         self.fdm = jsbsim.FGFDMExec(None if self.root is None else os.fspath(self.root))
         if not self._network:
             self.fdm.disable_input()
@@ -303,10 +313,13 @@ class Airframe(PropertyTree):
 
     @property
     def engine_list(self) -> tuple[Engine, ...]:
-        """The engines with their types, from the model's files."""
-        if self._engine_list is None:
-            self._engine_list = engines_of(self._file.path, self.engines)
-        return self._engine_list
+        """The engines with their types, from the files that were loaded."""
+        return self._xml.engines(self.engines)
+
+    @property
+    def components(self) -> tuple[ET.Element, ...]:
+        """Components of the model's systems, as elements of the files that were loaded."""
+        return self._xml.components
 
     def has_kind(self, *kinds: str) -> bool:
         """Whether an engine or a thruster is of one of these kinds."""
@@ -423,11 +436,6 @@ class Airframe(PropertyTree):
         finally:
             for name in on:
                 self.fdm[name] = 1.0
-
-    @property
-    def folder(self) -> Path:
-        """The folder of the model's files."""
-        return self._file.path.parent
 
     def run_no_time(self) -> None:
         """A step of JSBSim without motion; its systems take a step of the usual length."""

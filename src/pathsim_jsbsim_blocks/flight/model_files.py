@@ -6,17 +6,14 @@ import contextlib
 import os
 import shutil
 import tempfile
-import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import jsbsim
 
 from .._core.checks import as_path, did_you_mean, nearest
 from ..errors import AircraftError, FileError
-from .references import references
-
-_INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
+from .model_xml import ModelXml, XmlError
 
 
 def _aircraft_folder(root: str | None = None, aircraft: str = "") -> Path:
@@ -51,26 +48,15 @@ def aircraft_names(root: str | None = None) -> list[str]:
 def empty_weight_cg(aircraft: str, root: str | None = None) -> tuple[float, float, float]:
     """Empty-weight centre of gravity of a model, structural axes (x aft, y right, z up), inches."""
     file = ModelFile(aircraft, root)
-    location, factor = file.cg(file.parsed())
-    try:
-        x, y, z = (float(str(location.findtext(axis))) * factor for axis in "xyz")
-    except ValueError:
-        raise file.error(
-            f"the empty-weight CG of aircraft {aircraft!r} is not three numbers"
-        ) from None
-    return x, y, z
+    with file.faults():
+        return file.xml.empty_cg
 
 
 def has_retractable_gear(aircraft: str, root: str | None = None) -> bool:
     """Whether any wheel is marked retractable."""
     file = ModelFile(aircraft, root)
-    wheels = file.parsed().iterfind("ground_reactions/contact/retractable")
-    try:
-        return any(float(wheel.text or 0) for wheel in wheels)
-    except ValueError:
-        raise file.error(
-            f"aircraft {aircraft!r} marks a wheel as neither retractable (1) nor fixed (0)"
-        ) from None
+    with file.faults():
+        return file.xml.retracts
 
 
 class ModelFile:
@@ -101,39 +87,18 @@ class ModelFile:
     def error(self, message: str, close: Sequence[str] = ()) -> AircraftError:
         return AircraftError(message, aircraft=self.aircraft, nearest=close)
 
-    def parsed(self, path: Path | None = None) -> ET.Element:
-        """The root element, of another file of the model if one is given."""
-        path = self.path if path is None else path
+    @property
+    def xml(self) -> ModelXml:
+        """The model's files as they are at this moment."""
+        return ModelXml.of(self.path)
+
+    @contextlib.contextmanager
+    def faults(self) -> Iterator[None]:
+        """Context in which a fault of the files is an AircraftError."""
         try:
-            return ET.parse(path).getroot()
-        except (ET.ParseError, ValueError, LookupError) as error:  # an encoding that Python lacks
-            why = f"is not well-formed XML: {error}"
-        except OSError as error:
-            why = f"cannot be read: {error.strerror}"
-        raise self.error(f"the file of aircraft {self.aircraft!r} {why} ({path})")
-
-    def cg(self, model: ET.Element) -> tuple[ET.Element, float]:
-        """Location of the empty-weight CG, and the inches in its unit."""
-        for location in model.iterfind("mass_balance/location"):
-            if location.get("name", "").upper() == "CG":
-                break
-        else:
-            raise self.error(f"aircraft {self.aircraft!r} defines no empty-weight CG")
-        unit = location.get("unit", "IN").upper()
-        if unit not in _INCHES:
-            raise self.error(
-                f"aircraft {self.aircraft!r} gives its empty-weight CG in the unknown unit {unit!r}"
-            )
-        return location, _INCHES[unit]
-
-    def references_beyond(self, exists: Callable[[str], bool]) -> list[str]:
-        """Properties to which the model refers and which do not exist."""
-        missing = []
-        for name in references(self.path, self.path.parents[2]):
-            with contextlib.suppress(RuntimeError):  # not a property's name
-                if not exists(name):
-                    missing.append(name)
-        return missing
+            yield
+        except XmlError as error:
+            raise self.error(f"the file of aircraft {self.aircraft!r} {error}") from None
 
     @contextlib.contextmanager
     def staged(self, x: float) -> Iterator[str]:
@@ -144,15 +109,10 @@ class ModelFile:
             copy = Path(stage, self.aircraft, self.path.name)
             try:
                 shutil.copytree(self.path.parent, copy.parent)
-                model = self.parsed()
-                location, factor = self.cg(model)
-                node = location.find("x")
-                if node is None:
-                    name = repr(self.aircraft)
-                    raise self.error(f"the empty-weight CG of aircraft {name} has no x")
-                node.text = repr(x / factor)
+                with self.faults():
+                    model = self.xml.at_cg(x)
                 copy.chmod(0o644)
-                ET.ElementTree(model).write(copy, encoding="utf-8", xml_declaration=True)
+                model.write(copy, encoding="utf-8", xml_declaration=True)
             except (OSError, shutil.Error) as error:
                 raise FileError("copy", self.path.parent, error) from None
             yield stage

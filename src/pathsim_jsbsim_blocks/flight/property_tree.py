@@ -11,7 +11,7 @@ import jsbsim
 
 from .._core.checks import did_you_mean, must_be, nearest
 from ..errors import PropertyError
-from .engines import Engine
+from .model_xml import Engine
 from .writable import Check, value_check, why_not
 
 

@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from .._core.checks import number, refuse
 from ..errors import PropertyError
-from .engines import Engine
 from .integrators import INTEGRATORS
+from .model_xml import Engine
 from .planet import GRAVITY
 
 # refuses a value; called with its name for the message, and the value

@@ -96,7 +96,7 @@ def flown_model(
         return _named(subject, system, flights, responses.still[0], *responses.judged(system))
     except LinearisationError as error:
         commands = [name for c in subject.inputs if c.name == error.name for name in c.properties]
-        servos = hysteresis(plane.airframe.folder, commands)
+        servos = hysteresis(plane.airframe.components, commands)
         if not servos:
             raise
         widths = ", ".join(f"{name} {width:g}" for name, width in servos.items())

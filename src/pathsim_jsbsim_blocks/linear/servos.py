@@ -4,30 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 
-def hysteresis(folder: Path, commands: Sequence[str]) -> dict[str, float]:
+def hysteresis(components: Sequence[ET.Element], commands: Sequence[str]) -> dict[str, float]:
     """Widths of hysteresis downstream of the commands, by property, in its unit."""
-    components = list(_components(folder))
-    reached, widths, size = set(commands), dict[str, float](), 0
-    while len(reached) > size:
-        size = len(reached)
+    signals, widths, size = set(commands), dict[str, float](), 0
+    while len(signals) > size:
+        size = len(signals)
         for component in components:
             texts = {(e.text or "").strip().lstrip("-") for e in component.iter()}
-            if texts & reached:
+            if texts & signals:
                 name = component.get("name", "").lower().replace(" ", "-")
                 name = name if "/" in name else f"fcs/{name}"
-                reached |= {name, *(e.text.strip() for e in component.iter("output") if e.text)}
+                signals |= {name, *(e.text.strip() for e in component.iter("output") if e.text)}
                 with contextlib.suppress(ValueError):
                     widths[name] = float(component.findtext("hysteresis_width", ""))
     return {name: width for name, width in widths.items() if width > 0.0}
-
-
-def _components(folder: Path) -> Iterator[ET.Element]:
-    """The components of all channels."""
-    for path in sorted(folder.rglob("*.xml")):
-        with contextlib.suppress(ET.ParseError, ValueError, LookupError, OSError):
-            for channel in ET.parse(path).iter("channel"):
-                yield from channel

@@ -5,15 +5,15 @@ from __future__ import annotations
 import textwrap
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import BlocksError, ParameterError, PropertyError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, has_retractable_gear
-from ..flight.engines import Engine
 from ..flight.fleet import GLIDES, TRIES, first_trim, prepared
 from ..flight.model_files import ModelFile
+from ..flight.model_xml import Engine
 from ..flight.trimming.effects import Effect, command_effects
 
 if TYPE_CHECKING:
@@ -192,7 +192,7 @@ def aircraft_report(
         loads=True,
         retracts=has_retractable_gear(aircraft, root),
         missing=missing,
-        sealed=tuple(_sealed(file)),
+        sealed=file.xml.outlets,
         engines=airframe.engine_list,
         tanks=tanks,
         **flown,
@@ -201,16 +201,6 @@ def aircraft_report(
 
 def _fault(subject: str, reason: str, advice: str = "") -> Fault:
     return Fault(subject, reason, _ADVICE.get(advice, _ADVICE[subject]))
-
-
-def _sealed(file: ModelFile) -> Iterator[str]:
-    """Sockets and files in the inputs and outputs of a model."""
-    for element in file.parsed():
-        name = element.get("file") or element.get("name")
-        if element.tag in ("input", "output") and (port := element.get("port")):
-            yield f"{element.tag} by port {port}"
-        elif element.tag == "output" and name and element.get("type") != "NONE":
-            yield f"output to {name}"
 
 
 def _flown(model: Mapping[str, Any], clean: TrimCondition, powered: bool) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from ...errors import TrimError
 from ..airframe import Airframe
-from ..engines import Engine
+from ..model_xml import Engine
 from .condition import TrimCondition
 from .equations import Effort, SteadyFlight
 from .failure import failure
