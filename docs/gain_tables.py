@@ -415,7 +415,7 @@ def off_point(name, schedule, condition, create):
             missed.append(f"{loop} ends")
             continue
         if not flown.quality.settling <= STEP_REQUIREMENTS[loop].settling_off:
-            missed.append(f"{loop} {flown.quality.settling:.1f} s".replace("nan s", "not settled"))
+            missed.append(f"{loop} {flown.quality.settling:.1f} s".replace("inf s", "not settled"))
         if flown.stop > MAX_SECONDS_AT_A_STOP:
             missed.append(f"{loop} at a stop {flown.stop:.0f} s")
         if loop == "heading":

@@ -15,7 +15,6 @@ import numpy as np
 
 from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
-from pathsim_jsbsim_blocks.control import response_quality
 from pathsim_jsbsim_blocks.design.requirements import STEP_REQUIREMENTS
 from pathsim_jsbsim_blocks.gym import make_env
 
@@ -98,6 +97,7 @@ def held(reference):
 
 
 def main(generations=GENERATIONS):
+    import control
     import matplotlib.pyplot as plt
     from matplotlib.ticker import MaxNLocator
 
@@ -110,14 +110,17 @@ def main(generations=GENERATIONS):
     learned, usual = episode(environment(), weights, reference)[0], held(reference)
     drawing, (above, below) = plt.subplots(2, 1, layout="constrained", figsize=(9, 7))
     for name, (t, theta, _), color in (("learned", learned, "C1"), ("PitchHold", usual, "C0")):
-        quality = response_quality(t, theta, reference, tolerance=wanted.tolerance)
+        band = wanted.tolerance / wanted.size
+        info = control.step_info(
+            theta - trimmed, T=t, yfinal=wanted.size, SettlingTimeThreshold=band
+        )
+        settling, overshoot = info["SettlingTime"], info["Overshoot"] / 100.0 * wanted.size
+        final = np.abs(theta - reference)[t >= 0.9 * DURATION].max()
         print(
-            f"{name}: within {wanted.tolerance:g} deg after {quality.settling:.2f} s, overshoot "
-            f"{quality.overshoot:.3f} deg, error at the end {quality.steady_error:.3f} deg"
+            f"{name}: within {wanted.tolerance:g} deg after {settling:.2f} s, overshoot "
+            f"{overshoot:.3f} deg, error at the end {final:.3f} deg"
         )
-        label = (
-            f"{name}: settled after {quality.settling:.1f} s, overshoot {quality.overshoot:.2f} deg"
-        )
+        label = f"{name}: settled after {settling:.1f} s, overshoot {overshoot:.2f} deg"
         above.plot(t, theta, color, label=label)
     above.plot(usual[0], usual[2], "k:", linewidth=1.0, label="command of PitchHold")
     above.axhspan(reference - wanted.tolerance, reference + wanted.tolerance, color="0.92")

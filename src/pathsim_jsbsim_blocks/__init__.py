@@ -7,7 +7,7 @@ errors of blocks. Functions are imported from the module of their subject:
 - ``axes``: axes of the aircraft and of the Earth, ``great_circle``
 - ``catalogue``: the diagrams, ``load_diagram``, ``find_diagram``
 - ``check_cases``: NASA's check cases, ``fly_case``, ``compare``
-- ``control``: ``response_quality`` of a step
+- ``control``: ``PID``, the law of the holds
 - ``daveml``: models in DAVE-ML, ``DaveModel``
 - ``design``: gains for any aircraft, ``design_gains``, ``design_schedule``
 - ``errors``: all errors

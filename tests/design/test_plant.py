@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import control
 import numpy as np
 import pytest
 
@@ -180,3 +181,15 @@ def test_a_slower_plant_holds_its_inputs(plant):
 def test_settling_is_the_last_time_outside():
     error = np.array([[2.0, 0.1, 2.0], [0.5, 0.1, 2.0], [2.0, 0.1, 2.0], [0.5, 0.1, 2.0]])
     assert search.settled(error, 1.0, 0.5).tolist() == [1.5, 0.0, np.inf]
+
+
+def test_the_quality_of_a_step_is_that_of_python_control():
+    t = np.arange(0.0, 40.0, 0.01)
+    system = control.tf([1.0], [1.0, 0.8, 1.0])  # damping 0.4
+    y = control.step_response(system, t).outputs
+    info = control.step_info(y, T=t, yfinal=1.0, SettlingTimeThreshold=0.02)
+    settling, overshoot, steady_error = search.step_quality((y - 1.0)[:, None], 0.02, 0.01)
+    assert settling[0] == pytest.approx(info["SettlingTime"], abs=1e-9)
+    assert 100.0 * overshoot[0] == pytest.approx(info["Overshoot"], abs=1e-9)
+    # the envelope of the oscillation 5 s before the end
+    assert 0.0 < steady_error[0] < np.exp(-0.4 * 34.9) / np.sqrt(1 - 0.4**2)

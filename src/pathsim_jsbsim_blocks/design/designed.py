@@ -414,14 +414,13 @@ def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGa
                 text = f"the step in {row.loop} ends the flight: {error}"
                 raise Unstable(row.loop, text) from error
             flown, relaxed = flight.quality, row.relaxed
-            settling = math.inf if math.isnan(flown.settling) else flown.settling
-            if math.isinf(settling):
+            if math.isinf(flown.settling):
                 late = flight.outputs[step.output][flight.time > flight.time[-1] - 5.0]
                 swing = f"limit cycle of +-{(late.max() - late.min()) / 2:.2f} {step.required.unit}"
                 relaxed = f"{relaxed}, {swing}" if relaxed else swing
             report[i] = replace(
                 row,
-                flown_settling=settling,
+                flown_settling=flown.settling,
                 flown_overshoot=flown.overshoot,
                 relaxed=relaxed,
             )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -299,12 +299,18 @@ def settled(error: np.ndarray, tolerance: float, T: float) -> np.ndarray:
     return np.where(last == len(error), np.inf, last * T)
 
 
-def step_quality(
-    error: np.ndarray, tolerance: float, T: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Settling time, overshoot, and maximum error in the last 5 s, of errors from below."""
+class StepQuality(NamedTuple):
+    """Quality of steps, one value for each; ``step_info`` of python-control has the same terms."""
+
+    settling: Any  # s until the error stays within the tolerance; infinite if it does not
+    overshoot: Any  # maximum excess over the reference, unit of the output
+    steady_error: Any  # maximum distance from the reference in the last 5 s
+
+
+def step_quality(error: np.ndarray, tolerance: float, T: float) -> StepQuality:
+    """Quality of steps from their errors, which are negative before the reference is reached."""
     late = np.abs(error[-round(5.0 / T) :]).max(axis=0)
-    return settled(error, tolerance, T), np.maximum(error.max(axis=0), 0.0), late
+    return StepQuality(settled(error, tolerance, T), np.maximum(error.max(axis=0), 0.0), late)
 
 
 def tracked(

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..control.gains import AircraftGains, GainSchedule
-from ..control.response import ResponseQuality, response_quality
 from ..flight.aircraft import Aircraft
 from ..guidance.autopilot import Autopilot
 from .requirements import STEP_REQUIREMENTS, StepRequirement
+from .search import StepQuality, step_quality
 
 # flight before the step, s: the start after a trim disturbs turbines
 BEFORE = 2.0
@@ -43,7 +43,7 @@ STEPS = {
 class Flown:
     """Result of a flown step."""
 
-    quality: ResponseQuality
+    quality: StepQuality
     time: np.ndarray  # s from the step on
     outputs: dict[str, np.ndarray]  # outputs of the aircraft
     stop: float  # longest time in s for which a command was at the end of its travel
@@ -90,11 +90,9 @@ def fly_step(
     rows[:, column] = np.unwrap(rows[:, column], period=360.0)
     outputs = dict(zip(names, rows[before:].T, strict=True))
     time, start = np.arange(n + 1 - before) * T, rows[0, names.index(step.output)]
-    reference = np.full(len(time), start + size)
-    reference[0] = start
-    quality = response_quality(
-        time, outputs[step.output], reference, tolerance=step.required.tolerance, last=5.0
-    )
+    # negative until the reference is reached
+    error = np.sign(size) * (outputs[step.output] - start - size)
+    quality = step_quality(error, step.required.tolerance, T)
     stops = [outputs[name] != 0.0 for name in ("elev_sat", "ail_sat", "rud_sat", "thr_sat")]
     return Flown(quality, time, outputs, max(_longest(s) for s in stops) * T)
 
