@@ -45,6 +45,16 @@ def electric_single(root, watts=120_000.0, aircraft="c172x"):
     return changed(root, aircraft, files={"engine/eng_io320.xml": ELECTRIC.format(watts)})
 
 
+def light_propeller(root, fraction):
+    """c172p with an electric motor and a fraction of its propeller's moment of inertia."""
+    propeller = (BUNDLED / "engine/prop_75in2f.xml").read_text(encoding="utf-8")
+    inertia = re.search(r"(<ixx>)(.*?)(</ixx>)", propeller)
+    light = f"{inertia[1]} {float(inertia[2]) / fraction} {inertia[3]}"
+    files = {"engine/eng_io320.xml": ELECTRIC.format(110_000)}
+    files["engine/prop_75in2f.xml"] = propeller.replace(inertia[0], light)
+    return changed(root, "c172p", files=files)
+
+
 def electric_twin(root, watts=180_000.0):
     """The c310 with two electric motors at its constant-speed propellers."""
     return changed(root, "c310", files={"engine/engIO470D.xml": ELECTRIC.format(watts)})

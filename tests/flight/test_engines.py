@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-import re
 
 import models_from_outside as outside
 import numpy as np
@@ -389,13 +388,53 @@ def test_so_is_one_of_roll_or_yaw(tmp_path, command):
 
 
 def test_a_propeller_without_inertia_is_the_reason_at_any_speed(tmp_path):
-    thin = (outside.BUNDLED / "engine/prop_75in2f.xml").read_text(encoding="utf-8")
-    thin, number = re.subn(r"<ixx>.*?</ixx>", "<ixx> 0.0 </ixx>", thin)
-    assert number == 1
-    motor = outside.ELECTRIC.format(120_000.0)
-    files = {"engine/eng_io320.xml": motor, "engine/prop_75in2f.xml": thin}
-    root = outside.changed(tmp_path, "c172x", files=files)
-    assert {refused(root, speed=speed).reason for speed in (70, 90, 110)} == {"propeller"}
+    root = outside.light_propeller(tmp_path, math.inf)
+    for speed in (70, 90, 110):
+        error = refused(root, "c172p", speed=speed)
+        assert error.reason == "propeller"
+        assert "moment of inertia, ixx" in str(error)
+
+
+@pytest.mark.parametrize("fraction", [10, 20])
+def test_the_thrust_of_a_light_propeller_is_that_of_a_plain_loop(tmp_path, fraction):
+    # JSBSim's own steady state of these is 2e8 and 9e8 lbf
+    root = outside.light_propeller(tmp_path, fraction)
+    state = trim(Airframe("c172p", root=root), TrimCondition(**SINGLE))
+    fdm = open_fdm("c172p", 1 / 1000, root=root)
+    fdm["ic/h-sl-ft"], fdm["ic/vc-kts"] = SINGLE["altitude"], SINGLE["speed"]
+    for angle in ("alpha", "theta", "phi"):
+        fdm[f"ic/{angle}-deg"] = getattr(state, angle)
+    for motion in ("rate/translational", "rate/rotational", "position/translational"):
+        fdm[f"simulation/integrator/{motion}"] = 0
+    fdm.run_ic()
+    fdm["fcs/throttle-cmd-norm"] = state.throttle[0]
+    for _ in range(20_000):
+        fdm.run()
+    assert state.thrust == pytest.approx(fdm["propulsion/engine/thrust-lbs"], rel=1e-8)
+
+
+def test_a_propeller_too_light_for_the_step_is_told_substeps_that_fly(tmp_path):
+    root = outside.light_propeller(tmp_path, 300)
+    error = refused(root, "c172p")
+    assert error.reason == "propeller"
+    assert "substeps=8" in str(error)
+    with pytest.raises(TrimError, match="substeps=16"):
+        Aircraft("c172p", **SINGLE, root=root, T=1 / 60, substeps=2)
+    plane = Aircraft("c172p", **SINGLE, root=root, substeps=8)
+    Simulation([plane], dt=plane.T, log=False).run(10.0)
+    assert plane.airframe.fdm["position/h-sl-ft"] == pytest.approx(5000.0, abs=0.1)
+
+
+def test_a_propeller_that_alternates_from_step_to_step_has_a_warning(tmp_path):
+    root = outside.light_propeller(tmp_path, 100)
+    with pytest.warns(RuntimeWarning, match="substeps=2"):
+        trim(Airframe("c172p", root=root), TrimCondition(**SINGLE))
+    trim(Airframe("c172p", root=root, substeps=2), TrimCondition(**SINGLE))
+
+
+def test_a_throttle_whose_effect_is_smaller_than_the_drift_of_the_state_has_none():
+    # plain JSBSim: 0.68 lbf of drag at throttles of 0.1, 0.5 and 1
+    assert refused(None, "ZLT-NT", speed=41).reason == "no effect"
 
 
 def test_a_model_without_aerodynamics_and_a_rotorcraft_are_called_so(tmp_path):

@@ -2,13 +2,14 @@
 
 import warnings
 
+import models_from_outside as outside
 import numpy as np
 import pytest
 from how_many import first
 from plain_jsbsim import open_fdm
 
 from pathsim_jsbsim_blocks import Aircraft, LinearisationError
-from pathsim_jsbsim_blocks.linear import algebraic
+from pathsim_jsbsim_blocks.flight import settling
 
 # every bundled aircraft with constant-speed propellers or a turboprop that trims: ft, KCAS
 SPEEDS = {
@@ -99,8 +100,23 @@ def test_the_modes_are_those_of_the_flown_model(name, speed):
 
 
 def test_an_engine_that_does_not_settle_is_refused(monkeypatch):
-    monkeypatch.setattr(algebraic, "_SETTLED", -1.0)
-    monkeypatch.setattr(algebraic, "_INTERVALS", 3)
+    block = plane("c182", 98)
+    # too few steps for its governor
+    monkeypatch.setattr(settling, "_STEPS", 100)
     with pytest.raises(LinearisationError) as error:
-        plane("c182", 98).linear_model("algebraic")
+        block.linear_model("algebraic")
     assert (error.value.reason, error.value.aircraft) == ("engine", "c182")
+
+
+def test_the_model_of_a_light_propeller_is_that_of_its_flight(tmp_path):
+    """A tenth of the inertia: JSBSim's steady state gave B[vt, throttle] = 0.000003."""
+    root = outside.light_propeller(tmp_path, 10)
+    block = Aircraft("c172p", altitude=5000, speed=90, root=root)
+    model = block.linear_model("algebraic")
+    row, column = model.states.index("vt"), model.inputs.index("throttle")
+    # settled in held flight at 1/1000 s
+    assert model.A[row, row] == pytest.approx(-0.058294, abs=1e-6)
+    assert model.B[row, column] == pytest.approx(6.604390, abs=1e-5)
+    [phugoid] = [mode for mode in model.modes() if mode.name == "phugoid"]
+    [flown] = [mode for mode in block.linear_model().modes() if mode.name == "phugoid"]
+    assert phugoid.damping == pytest.approx(flown.damping, rel=0.01)

@@ -89,6 +89,10 @@ CREATE = repeatable(
     "PROPERTY=VALUE",
 )
 
+SUBSTEPS = option(
+    "--substeps", "steps of JSBSim per 1/120 s (default 1)", metavar="N", type=int, default=1
+)
+
 # options of a trim are named as the fields of TrimCondition, which has their defaults
 _NUMBERS = {
     "altitude": "ft (default 5000)",
@@ -138,7 +142,10 @@ def condition_of(args: argparse.Namespace) -> TrimCondition:
 
 def setup_and_model(args: argparse.Namespace) -> tuple[dict[str, float], dict[str, Any]]:
     """Properties to write before the trim, and the options with which a model is loaded."""
-    return values_of("set", args.set), {"root": args.root, "create": created(args)}
+    model = {"root": args.root, "create": created(args)}
+    # of the commands that have the option
+    model |= {"substeps": args.substeps} if "substeps" in args else {}
+    return values_of("set", args.set), model
 
 
 def created(args: argparse.Namespace) -> dict[str, float] | str:

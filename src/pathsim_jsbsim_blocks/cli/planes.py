@@ -18,6 +18,7 @@ from .arguments import (
     CREATE,
     ROOT,
     SET,
+    SUBSTEPS,
     command,
     condition_of,
     created,
@@ -39,7 +40,9 @@ if TYPE_CHECKING:
     "the aircraft models, and which of them load; of one, what it is and how it flies",
     option("name", "a report of this model", nargs="?"),
     ROOT,
+    SET,
     CREATE,
+    SUBSTEPS,
     file("--points", "draw the points that the model names: CG, wheels, tanks, ...", "FIG"),
 )
 def aircraft(args: argparse.Namespace) -> int:
@@ -51,7 +54,8 @@ def aircraft(args: argparse.Namespace) -> int:
     if args.name is not None:
         from ..studies import aircraft_report
 
-        report = aircraft_report(args.name, args.root, created(args))
+        setup, model = setup_and_model(args)
+        report = aircraft_report(args.name, setup=setup, **model)
         print(report)
         return int(not report.loads)
     for name in aircraft_names(args.root):
@@ -149,6 +153,7 @@ def _warnings_last() -> Iterator[None]:
         default=0.0,
     ),
     *CONDITION,
+    SUBSTEPS,
 )
 @_warnings_last()
 def trim(args: argparse.Namespace) -> None:
@@ -168,6 +173,7 @@ def trim(args: argparse.Namespace) -> None:
     file("--save", "draw the poles into this file", "FIG"),
     file("--json", "write the linear model"),
     *CONDITION,
+    SUBSTEPS,
 )
 @_warnings_last()
 def modes(args: argparse.Namespace) -> None:
@@ -250,6 +256,7 @@ def _print_margins(model: LinearModel) -> None:
     ROOT,
     SET,
     CREATE,
+    SUBSTEPS,
 )
 def gains(args: argparse.Namespace) -> int:
     from ..design import design_schedule
@@ -258,10 +265,12 @@ def gains(args: argparse.Namespace) -> int:
 
     check_file("save", args.save, ".json")
     if args.altitude is None or args.speed is None:
-        flight = level_flight(args.aircraft, args.root, create=created(args))
+        flight = level_flight(
+            args.aircraft, args.root, create=created(args), substeps=args.substeps
+        )
         condition, needed = flight.condition, flight.create
     else:
-        airframe, condition = prepared(args.aircraft, args.root, created(args))
+        airframe, condition = prepared(args.aircraft, args.root, created(args), args.substeps)
         needed = airframe.created
         if not airframe.engines:
             condition = dataclasses.replace(condition, mode="glide")

@@ -25,6 +25,7 @@ from .._core.callers import warn_user
 from .._core.checks import (
     did_you_mean,
     flag,
+    integer,
     mapping,
     must_be,
     number,
@@ -58,8 +59,10 @@ class Airframe(PropertyTree):
     aircraft : str
         name of the model (its folder below ``aircraft/``)
     dt : float
-        JSBSim's time step in s; it is set before the model is loaded, because filters and
-        actuators keep the step they were loaded with
+        JSBSim's time step in s, or that of ``substeps`` steps together; it is set before the model
+        is loaded, because filters and actuators keep the step they were loaded with
+    substeps : int
+        number of equal steps into which ``dt`` is divided, as of `Aircraft`
     root : str, optional
         JSBSim root directory; default is the one shipped with jsbsim
     empty_cg_x : float, optional
@@ -94,6 +97,7 @@ class Airframe(PropertyTree):
         aircraft: str,
         dt: float = 1 / 120,
         *,
+        substeps: int = 1,
         root: str | None = None,
         empty_cg_x: float | None = None,
         create: Mapping[str, float] | str | None = None,
@@ -104,7 +108,8 @@ class Airframe(PropertyTree):
         gravity: str | None = None,
         flightgear: str | None = None,
     ):
-        self.dt = positive("dt", dt)
+        self.substeps = integer("substeps", substeps, low=1)
+        self.dt = positive("dt", dt) / self.substeps
         self.root = root
         self._file = ModelFile(aircraft, root)
         self.aircraft = self._file.aircraft

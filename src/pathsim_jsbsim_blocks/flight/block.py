@@ -319,7 +319,7 @@ class FlightBlock(Parametric, SampledPlant):
         before, self._before = self._before, None
         self.airframe = Airframe(
             self._model(),
-            dt,
+            self._checked.T,
             empty_cg_x=condition.empty_cg_x,
             **{name: getattr(self, name) for name in _OF_AIRFRAME},
         )

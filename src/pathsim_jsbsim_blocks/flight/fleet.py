@@ -50,6 +50,7 @@ def level_flight(
     tries: int = len(TRIES),
     solver: Solver | None = None,
     create: Mapping[str, float] | str | None = None,
+    substeps: int = 1,
 ) -> LevelFlight:
     """Find a sensible condition of straight and level flight, or of the glide of a glider.
 
@@ -72,6 +73,8 @@ def level_flight(
         as in `TrimCondition`
     create : dict or "missing", optional
         as for `Airframe`
+    substeps : int
+        JSBSim steps per 1/120 s
 
     Raises
     ------
@@ -81,11 +84,10 @@ def level_flight(
         if it trims at none of the conditions; the residuals are those of the first
     """
     tries = integer("tries", tries, low=1)
-    airframe, _ = prepared(aircraft, root, create)
+    airframe, _ = prepared(aircraft, root, create, substeps)
     mode, conditions = ("full", TRIES) if airframe.engines else ("glide", GLIDES)
-    return first_trim(
-        aircraft, root, conditions[:tries], create=airframe.created, mode=mode, solver=solver
-    )
+    model = {"root": root, "create": airframe.created, "substeps": substeps}
+    return first_trim(aircraft, tries=conditions[:tries], mode=mode, solver=solver, **model)
 
 
 def first_trim(
@@ -94,10 +96,11 @@ def first_trim(
     tries: Sequence[tuple[float, float]],
     fly: float = 0.0,
     create: Mapping[str, float] | str | None = None,
+    substeps: int = 1,
     **fields: Any,
 ) -> LevelFlight:
     """The first of the tries that trims, with further fields of the condition."""
-    airframe, clean = prepared(aircraft, root, create)
+    airframe, clean = prepared(aircraft, root, create, substeps)
     create = airframe.created
     first: TrimError | None = None
     for altitude, lift_coefficient in tries:
@@ -105,7 +108,7 @@ def first_trim(
         condition = replace(clean, altitude=altitude, speed=speed, **fields)
         try:
             # a failed search affects the next one, so each has its own airframe
-            fresh = Airframe(aircraft, root=root, create=create)
+            fresh = Airframe(aircraft, root=root, create=create, substeps=substeps)
             state = trim(fresh, condition, hint=False, fly=fly)
             return LevelFlight(aircraft, condition, create, state)
         except TrimError as error:
@@ -118,19 +121,23 @@ def first_trim(
 
 
 def prepared(
-    aircraft: str, root: str | None, create: Mapping[str, float] | str | None = None
+    aircraft: str,
+    root: str | None,
+    create: Mapping[str, float] | str | None = None,
+    substeps: int = 1,
 ) -> tuple[Airframe, TrimCondition]:
     """An initialised airframe, and a condition: gear up, fuel frozen.
 
     Properties that the model lacks are created as 0 unless ``create`` has them.
     """
     try:
-        airframe = Airframe(aircraft, root=root, create=create)
+        airframe = Airframe(aircraft, root=root, create=create, substeps=substeps)
     except AircraftError as error:
         if not error.missing:
             raise
         lacking = dict.fromkeys(error.missing, 0.0)
-        airframe = Airframe(aircraft, root=root, create={**mapping("create", create), **lacking})
+        create = {**mapping("create", create), **lacking}
+        airframe = Airframe(aircraft, root=root, create=create, substeps=substeps)
     airframe.run_ic()
     gear = 0.0 if has_retractable_gear(aircraft, root) else None
     frozen = {"propulsion/fuel_freeze": 1.0} if airframe.has("propulsion/fuel_freeze") else {}

@@ -13,6 +13,7 @@ from .._core.units import FOOT
 from ..flight.airframe import Airframe
 from ..flight.channels import Channel
 from ..flight.flyable import Flyable
+from ..flight.settling import Settling
 from .linearised import Linearised, no_model
 from .model import LinearModel
 from .states import RIGID, full_circle, ignorable, port_value
@@ -32,8 +33,6 @@ _STATES = (
     ("ic/r-rad_sec", property_of("r"), "accelerations/rdot-rad_sec2", 1e-4),
 )
 
-_ACCELERATIONS = [rate for *_, rate, _ in _STATES if rate.startswith("accelerations/")]
-
 # perturbation of an input, in its unit
 _COMMAND = 1e-3
 
@@ -42,12 +41,6 @@ _NO_CIRCLE = 1e99
 
 # runs without integration until accelerations that depend on others (alphadot) have settled
 _RUNS = 6
-
-# held flight in which a governed engine settles: maximum change of the accelerations over an
-# interval, ft/s2 and rad/s2; interval, s; maximum number of intervals
-_SETTLED = 1e-8
-_INTERVAL = 1 / 3
-_INTERVALS = 300
 
 # JSBSim's order of computation: a command acts on the rates one period late
 _LATENCY = 1
@@ -136,31 +129,22 @@ def _deg_per_ft(airframe: Airframe, position: str) -> float:
     return math.degrees(FOOT / ((transverse(latitude) + height) * math.cos(math.radians(latitude))))
 
 
-def _settle_at_once(plane: Flyable) -> None:
-    """Let engines and accelerations settle without a step in time."""
-    fdm = plane.airframe.fdm
-    fdm.get_propulsion().get_steady_state()
-    fdm.suspend_integration()
+def _settle(plane: Flyable, settling: Settling) -> None:
+    """Let engines, and then accelerations that depend on others (alphadot), settle."""
+    airframe, fdm = plane.airframe, plane.airframe.fdm
+    in_time = bool(airframe.of_engines("itt-c"))  # turboprops have power only if time advances
+    if in_time:
+        airframe.start_turbines()
+    if not settling.required:
+        fdm.get_propulsion().get_steady_state()
+    elif not settling.settle():
+        raise no_model(plane, "engine", "its propellers do not settle; use method='flown'")
+    if not in_time:
+        fdm.suspend_integration()
     for _ in range(_RUNS):
-        fdm.run()
-    fdm.resume_integration()
-
-
-def _settle_in_time(plane: Flyable) -> None:
-    """The same in time steps: JSBSim's steady state lacks governors and the power of turboprops."""
-    airframe = plane.airframe
-    airframe.start_turbines()
-    now = np.full(len(_ACCELERATIONS), np.inf)
-    steps = math.ceil(_INTERVAL / airframe.dt)
-    with airframe.held():
-        for _ in range(_INTERVALS):
-            for _ in range(steps):
-                airframe.fdm.run()
-            before, now = now, np.array([airframe.fdm[name] for name in _ACCELERATIONS])
-            if np.abs(now - before).max() <= _SETTLED:
-                return
-    why = f"its engine does not settle in {_INTERVALS * _INTERVAL:g} s of held flight; use "
-    raise no_model(plane, "engine", f"{why}method='flown'")
+        airframe.run_no_time() if in_time else fdm.run()
+    if not in_time:
+        fdm.resume_integration()
 
 
 def _differences(
@@ -171,8 +155,7 @@ def _differences(
     """Central differences by the states and by the inputs, and the even parts of the latter."""
     airframe = plane.airframe
     fdm, write = airframe.fdm, airframe.writer
-    governed = any(fdm[name] for name in airframe.of_engines("constant-speed-mode"))
-    settle = _settle_in_time if governed or airframe.of_engines("itt-c") else _settle_at_once
+    settling = Settling(airframe)
     states = [(write(initial), fdm[present], step) for initial, present, _, step in _STATES]
     inputs = [[(write(name), fdm[name]) for name in c.properties] for c in ports]
     factors = np.array([channel.factor for _, channel in readings])
@@ -187,7 +170,7 @@ def _differences(
                 put(value + by * (j == port))
         fdm.set_trim_status(True)
         fdm.run_ic()
-        settle(plane)
+        _settle(plane, settling)
         fdm.set_trim_status(False)
         return factors * [read() for read, _ in readings]
 

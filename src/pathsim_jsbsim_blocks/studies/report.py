@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from .._core.checks import mapping
 from ..errors import BlocksError, ParameterError, PropertyError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, has_retractable_gear
 from ..flight.fleet import GLIDES, TRIES, first_trim, prepared
@@ -148,7 +149,11 @@ def _wrapped(head: str, text: str) -> list[str]:
 
 
 def aircraft_report(
-    aircraft: str, root: str | None = None, create: Mapping[str, float] | str | None = None
+    aircraft: str,
+    root: str | None = None,
+    create: Mapping[str, float] | str | None = None,
+    setup: Mapping[str, float] | None = None,
+    substeps: int = 1,
 ) -> AircraftReport:
     """Report a model's parts, whether it loads, trims and stays, and its faults with next steps.
 
@@ -160,25 +165,31 @@ def aircraft_report(
         JSBSim root directory; default is the one shipped with jsbsim
     create : dict or "missing", optional
         as for `Airframe`; other missing properties are created as 0
+    setup : dict, optional
+        properties to write before each trim
+    substeps : int
+        JSBSim steps per 1/120 s
 
     Raises
     ------
     AircraftError
         if there is no such model; faults of a model are in the report
     ParameterError, PropertyError
-        for impossible names and values in ``create``
+        for impossible names and values in ``create`` and ``setup``
     """
     file = ModelFile(aircraft, root)
     with warnings.catch_warnings():
         # the report itself covers missing properties, nonlinearity and the extended gear
         warnings.simplefilter("ignore")
         try:
-            airframe, clean = prepared(aircraft, root, create)
+            airframe, clean = prepared(aircraft, root, create, substeps)
+            clean = replace(clean, setup={**clean.setup, **mapping("setup", setup)})
             model = {"aircraft": file.aircraft, "root": root, "create": airframe.created}
+            model["substeps"] = substeps
             tanks = tuple(map(airframe.fdm.get_property_value, airframe.tanks))
             flown = _flown(model, clean, airframe.engines > 0)
         except BlocksError as error:
-            if create and isinstance(error, (ParameterError, PropertyError)):
+            if (create or setup) and isinstance(error, (ParameterError, PropertyError)):
                 raise
             lacking = getattr(error, "missing", ())
             return AircraftReport(file.aircraft, (_fault("model", str(error)),), missing=lacking)

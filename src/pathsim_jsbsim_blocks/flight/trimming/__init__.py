@@ -102,6 +102,13 @@ def trim(
     read_back(airframe, condition, setup, state.free)
     if hint:
         _warn_of_gear(airframe, state)
+        if 1.0 < trimmer.per_step <= 2.0:
+            warn_user(
+                f"the propeller of {airframe.aircraft} is light for steps of "
+                f"1/{1 / airframe.dt:.6g} s: its speed alternates from step to step, which changes "
+                f"the damping of the flight; use substeps={2 * airframe.substeps}",
+                once=True,
+            )
         if flown and flown.leaves:
             warn_user(
                 f"the trim of {airframe.aircraft} at {condition} does not hold: {flown.leaves}"

@@ -81,10 +81,16 @@ def effects(
         i, y = flight.names.index(name), x.copy()
         step = _STEP if x[i] + _STEP <= flight.high[i] else -_STEP
         y[i] += step
-        change = float((flight.settled(y) - before)[flight.used.index(acceleration)])
-        size = change * RESIDUALS[acceleration] / step
-        moves = not abs(change) <= _NONE  # NaN is an effect
+        moved = flight.settled(y)
         own = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
+        # without the command, what systems with memory (airships) change meanwhile
+        again = flight.settled(x)
+        row = flight.used.index(acceleration)
+        change = float(moved[row] - 0.5 * (before[row] + again[row]))
+        drift = float(again[row] - before[row])
+        before = again
+        size = change * RESIDUALS[acceleration] / step
+        moves = not abs(change) <= max(_NONE, abs(drift))  # NaN is an effect
         yield Effect(command, tuple(names), acceleration, size, moves, own)
 
 

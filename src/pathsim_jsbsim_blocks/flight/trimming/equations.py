@@ -11,6 +11,7 @@ import numpy as np
 
 from ..._core.aircraft_ports import throttles
 from ..airframe import Airframe
+from ..settling import Settling
 from .condition import TrimCondition
 from .failure import alpha_range
 from .state import STATE
@@ -67,35 +68,14 @@ _READINGS = 30  # maximum readings of one state until a control system with memo
 # maximum steps of JSBSim for all searches of one trim
 _EFFORT = 100_000
 
-# cost of one reading, including its part of the search, and of JSBSim's own settling of an engine
-# (1 to 170), in steps of JSBSim
+# cost of one reading, including its part of the search, in steps of JSBSim
 _READING = 4
-_STEADY_STATE = 150
 
 # maximum number of steps in the memory of JSBSim's integrators
 _HISTORY = 5
 
-# steps in a row, and maximum rows, for an engine with propeller to settle; an odd number of steps
-# reveals one that alternates between two states
-_ROW = 41
-_ROWS = 60
-
 # maximum repetitions of settling the propellers at a state from another aircraft
 _SPINS = 5
-
-# maximum rows at fixed blade pitch; engines that settle need 3
-_ROWS_AT_FIXED_PITCH = 10
-
-# a torque limiter may open and close endlessly: rows to detect this, and the relative change per
-# row up to which the propellers then count as settled
-_ROWS_OF_A_ROUND = 12
-_ROUND = 1e-4
-
-# relative change in the last row of a propeller without inertia (X8: 1)
-_JUMP = 0.5
-
-# s of cranking after which an engine runs if it ever does (p51d: 0.3)
-_CRANKING = 2.0
 
 
 class Effort:
@@ -106,6 +86,9 @@ class Effort:
 
     def __init__(self) -> None:
         self.steps = 0
+
+    def spend(self, steps: int) -> None:
+        self.steps += steps
 
     @property
     def over(self) -> bool:
@@ -207,24 +190,14 @@ class SteadyFlight:
         airframe = self._airframe
         self._engines = airframe.engines
         self._write = airframe.writer_of([*_WRITTEN, *throttles(self._engines)])
-        pitches, speeds = (airframe.of_engines(name) for name in ("blade-angle", "propeller-rpm"))
-        self._has_propellers = bool(speeds or pitches)
-        self._pitches = airframe.reader_of(pitches)
-        self._propellers = airframe.reader_of(speeds + pitches)
-        self._has_governor = any(
-            self._fdm[name] for name in airframe.of_engines("constant-speed-mode")
-        )
+        self.propellers = Settling(airframe, self.effort.spend, lambda: self.effort.over)
         # the throttle at which the propellers have settled
         self._settled_at: float | None = None
-        # whether JSBSim's own settling, in steps of 0.5 s, works: it misses fast propellers
-        self.leaps = True
-        # whether the propellers settled at the last attempt, and whether they ever jumped instead
-        self.has_settled, self.jumps = True, False
 
     @property
     def leaves_traces(self) -> bool:
         """Whether evaluations change the state of engines or systems."""
-        return self._has_propellers or self.has_memory
+        return self.propellers.required or self.has_memory
 
     def try_out(self) -> None:
         """Determine whether the model has a pitch trim, and whether its controls have filters."""
@@ -254,14 +227,15 @@ class SteadyFlight:
 
     def trial(self, x: np.ndarray) -> np.ndarray:
         """Residuals after a step of the search, which may be large."""
-        return self.settled(x) if self._has_propellers else self.residuals(x)
+        return self.settled(x) if self.propellers.required else self.residuals(x)
 
     def residuals(self, x: np.ndarray) -> np.ndarray:
         """The residuals at a state, divided by their tolerances."""
         throttle = self._put(x)
         r = self._accelerations()
-        if self._has_propellers and throttle != self._settled_at:
-            self._spin(size(r))
+        if self.propellers.required and throttle != self._settled_at:
+            self.propellers.start(crank=self._condition.mode != "glide")
+            self.propellers.settle(min(max(1e-10 * size(r), 1e-10), 1e-8))
             self._settled_at = throttle
             self._put(x)
             r = self._accelerations()
@@ -352,83 +326,6 @@ class SteadyFlight:
             self._airframe.run_no_time()
         self.effort.steps += _READING
         return (np.array(self._read()) - self._target) / self._tolerances
-
-    def _spin(self, residual: float) -> None:
-        """Let the propellers settle in held flight."""
-        tolerance = min(max(1e-10 * residual, 1e-10), 1e-8)
-        rows: list[list[float]] = []
-        self.has_settled, change = False, 0.0
-        with self._airframe.held():
-            self._start_engines()
-            self._spin_at_fixed_pitch()
-            before = self._propellers()
-            for row in range(_ROWS):
-                at_once = self.leaps and not self._has_governor
-                if self.effort.over or (at_once and row >= _ROWS_AT_FIXED_PITCH):
-                    break
-                pitch = self._pitches()
-                for _ in range(_ROW):
-                    self._fdm.run()
-                self.effort.steps += _ROW
-                now = self._propellers()
-                rows.append(now)
-                pairs = zip(now, before, strict=True)
-                change = max(abs(a - b) / max(abs(a), 1.0) for a, b in pairs)
-                goes_round = _goes_round(rows)
-                self.has_settled = change <= tolerance or (goes_round and change <= _ROUND)
-                if self.has_settled:
-                    break
-                if self.leaps and pitch == self._pitches():
-                    self._spin_at_fixed_pitch()
-                    again = self._propellers()
-                    self.leaps = math.dist(again, before) > 0.01 * math.dist(now, before)
-                    # its large steps keep a torque limiter from settling
-                    self.leaps &= not goes_round
-                    now = again
-                before = now
-            self.jumps |= change > _JUMP
-
-    def _start_engines(self) -> None:
-        """Restart engines that have stopped, for example at a low throttle of an earlier guess."""
-        airframe = self._airframe
-        if not airframe.not_running():
-            return
-        with airframe.governors_off():
-            airframe.start_engines()
-        self._spin_at_fixed_pitch()
-        pistons = [e.number for e in airframe.engine_list if e.type == "piston"]
-        still = [i for i in airframe.not_running() if i in pistons]
-        if not still or self._condition.mode == "glide":
-            return
-        # JSBSim's start uses steps of 0.5 s, in which some engines stall: crank them instead
-        self.leaps = False
-        for i in still:
-            airframe.crank(i, starter=True)
-        for _ in range(round(_CRANKING / airframe.dt)):
-            self._fdm.run()
-            if not airframe.not_running():
-                break
-        for i in still:
-            airframe.crank(i, starter=False)
-
-    def _spin_at_fixed_pitch(self) -> None:
-        """Settle the speeds at the present blade angles, many times faster than real time."""
-        if not self.leaps:
-            return
-        with self._airframe.governors_off():
-            self._fdm.get_propulsion().get_steady_state()
-        self.effort.steps += _STEADY_STATE * self._engines
-
-
-def _goes_round(rows: Sequence[list[float]]) -> bool:
-    """Whether quantities oscillate: steps between rows do not decay, and the drift stays small."""
-    few = np.array(rows[-_ROWS_OF_A_ROUND:])
-    if len(few) < _ROWS_OF_A_ROUND:
-        return False
-    steps = abs(np.diff(few, axis=0)).max(axis=1)
-    far = abs(few - few[0]).max(axis=1)
-    half = len(steps) // 2
-    return bool(steps[half:].max() > 0.5 * steps[:half].max() and far.max() < 0.25 * steps.sum())
 
 
 def size(r: np.ndarray) -> float:

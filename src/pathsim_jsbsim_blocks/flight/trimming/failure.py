@@ -52,7 +52,7 @@ def failure(
         "thrust": thrust,
         "alpha limit": f"alpha reached the end of [{alpha_min:.4g}, {alpha_max:.4g}] deg",
         "elevator": "the pitch trim reached the end of [-1, 1]",
-        "propeller": "a propeller does not settle (one whose file has ixx = 0 never does)",
+        "propeller": "a propeller does not settle at this condition",
         "no convergence": "no control reached its limit, but the search did not converge",
     }
     why = why or limits.get(reason, f"the {reason} reached the end of its range")

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...errors import TrimError
 from ..airframe import Airframe
+from ..settling import MOST_SUBSTEPS
 from . import check, jsbsim, power
 from .check import HandsOff
 from .condition import TrimCondition
@@ -91,6 +92,8 @@ class Trimmer:
         self._leaves_traces = True
         # whether the last trim used steps of time (`SteadyFlight`)
         self.in_time = False
+        # rate of the fastest propeller of the last trim, times the step
+        self.per_step = 0.0
         # a twin for short flights
         self._stand_in: Airframe | None = None
 
@@ -317,6 +320,8 @@ class Trimmer:
         if reached.size <= 1.0:
             # reset, because an exhausted effort would keep the propellers from settling
             self._effort.steps = 0
+        # before the last state is set, because it flies trials
+        light = self._too_light(flight, x)
         # the last state written need not be the best
         r, residuals = flight.arrive(x)
         # the flight begins here: settling the propellers has advanced the clock
@@ -327,12 +332,16 @@ class Trimmer:
         if airframe.not_running() and condition.mode != "glide":
             raise power.not_running(airframe, condition, flight, residuals)
         if not size(r) <= 1.0:
+            if light:
+                raise failure(airframe, condition, "propeller", light, residuals)
             raise self._failed(condition, flight, x, r, residuals)
         state = read_state(airframe, condition, tuple(flight.names))
         state = dataclasses.replace(state, **residuals)  # type: ignore[arg-type]
         if broken := not_finite(state):
             why = f"{', '.join(broken)} not finite after the trim"
             raise failure(airframe, condition, "no convergence", why, residuals)
+        if light:
+            raise failure(airframe, condition, "propeller", light, residuals)
         flown = None
         if fly and condition.mode != "pull-up":
             flown = self._flown(condition, flight, x, fly)
@@ -343,8 +352,27 @@ class Trimmer:
                 raise failure(airframe, condition, "no equilibrium", flown.moves, residuals)
         self._keep(flight, reached, trimmed=True)
         self.in_time = flight.in_time
+        self.per_step = flight.propellers.per_step
         self._leaves_traces, self._spent = flight.leaves_traces, False
         return state, flown
+
+    def _too_light(self, flight: SteadyFlight, x: np.ndarray) -> str:
+        """Text on a propeller that flown steps cannot follow, if there is one."""
+        airframe, propellers = self.airframe, flight.propellers
+        if not propellers.per_step > 2.0:
+            return ""
+        flight.settled(x)
+        if (light := propellers.too_light()) is None:
+            return ""
+        engine, factor = light
+        steps = factor * airframe.substeps
+        step = (
+            f"the propeller of engine {engine} is too light for steps of 1/{1 / airframe.dt:.6g} s"
+        )
+        instead = f"use substeps={steps} (steps of 1/{factor / airframe.dt:.6g} s)"
+        if factor > MOST_SUBSTEPS:
+            instead = "give it its moment of inertia, ixx"
+        return f"{step}, in which its speed does not settle: {instead}"
 
     def _keep(self, flight: SteadyFlight, reached: Reached, *, trimmed: bool) -> None:
         """Store the end of a search for the next trim."""
@@ -364,7 +392,7 @@ class Trimmer:
             trial = SteadyFlight(other, condition, Effort(), flight.in_time)
             if "elevator" in flight.names:
                 trial.without_pitch_trim()
-            trial.has_memory, trial.leaps = flight.has_memory, flight.leaps
+            trial.has_memory = flight.has_memory
             trial.hold(x)
         flown = check.fly(other, condition, fly)
         if flown.moves or flown.leaves or flown.starved or fly > check.SHORT:
@@ -380,8 +408,6 @@ class Trimmer:
         residuals: dict[str, float],
     ) -> TrimError:
         """The error of a failed search, with the limit at which it ended."""
-        if flight.jumps:
-            return failure(self.airframe, condition, "propeller", residuals=residuals)
         name = binding(flight, condition, x, r)
         if not name and "throttle" in flight.names:
             other = _at_end(flight, x, r)
@@ -396,7 +422,7 @@ class Trimmer:
         limit = float(x[flight.names.index(name)]) if name else None
         if name in _ANGLES:
             limit = math.degrees(limit)  # type: ignore[arg-type]
-        reason = _CAUSES.get(name, "no convergence" if flight.has_settled else "propeller")
+        reason = _CAUSES.get(name, "no convergence" if flight.propellers.steady else "propeller")
         return failure(self.airframe, condition, reason, residuals=residuals, limit=limit)
 
 
