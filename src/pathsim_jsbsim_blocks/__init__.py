@@ -14,7 +14,7 @@ errors of blocks. Functions are imported from the module of their subject:
 - ``flight``: aircraft without a diagram, ``trim``, ``linear_model``, ``level_flight``,
   ``aircraft_names``
 - ``gym``: ``make_env``, any diagram as an environment of Gymnasium
-- ``linear``: ``LinearModel``, its modes and ``flying_qualities``, figures such as ``bode``
+- ``linear``: ``LinearModel``, its modes and ``flying_qualities``, figures such as ``pole_map``
 - ``pathview``: ``view``, ``export_script``, ``convert_model``
 - ``plots``: figures, such as ``time_histories`` and ``show``
 - ``sampling``: ``SampledPlant`` and ``SampledLaw``, bases of sampled blocks of one's own

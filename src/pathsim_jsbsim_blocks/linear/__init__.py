@@ -1,6 +1,6 @@
 """Linear models of a trimmed aircraft: names, modes, flying qualities, margins, figures."""
 
-from .charts import bode, nyquist, pole_map, root_locus, step_response
+from .charts import bode, pole_map, step_response
 from .model import LinearModel
 from .modes import Mode
 from .qualities import Quality, flying_qualities
@@ -14,8 +14,6 @@ __all__ = [
     "bode",
     "flying_qualities",
     "margins",
-    "nyquist",
     "pole_map",
-    "root_locus",
     "step_response",
 ]

@@ -1,4 +1,4 @@
-"""Figures of linear models: poles, step responses, root loci, Bode and Nyquist diagrams.
+"""Figures of linear models: poles, step responses, Bode diagrams of loops.
 
 Each returns a matplotlib Figure; `plots.show` displays it.
 """
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.ticker import MultipleLocator
 
-from .._core.checks import finite, number, positive, refuse
+from .._core.checks import number, positive, refuse
 from ..plots import axis_label, readable, subplots
 from .model import LinearModel
 from .modes import Mode
@@ -22,7 +22,6 @@ from .stability import Margins
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike
 
 
 def pole_map(*models: LinearModel, title: str = "") -> Figure:
@@ -144,102 +143,37 @@ def step_response(
     return figure
 
 
-def root_locus(
-    models: Sequence[LinearModel], values: ArrayLike, label: str = "", title: str = ""
-) -> Figure:
-    """Poles of linear models over a trim sweep, coloured by the swept quantity.
+def bode(loop: Margins, title: str = "") -> Figure:
+    """Bode diagram of a loop with its margins: gain in dB and phase in deg over rad/s.
 
     Parameters
     ----------
-    models : list of LinearModel
-        one for each point of the sweep
-    values : array, shape (n,)
-        swept quantity, such as the airspeed
-    label : str
-        its name and unit, such as ``"airspeed [kt]"``
+    loop : Margins
+        of `margins`
     title : str
-        headline
+        headline; default is the name of the loop
 
     Raises
     ------
     ParameterError
-        without models, for an object that is not a LinearModel, or if the number of values differs
+        for an object that is not a loop of `margins`
     """
-    swept = np.asarray(finite(values=values)[0])
-    if not len(models) or swept.shape != (len(models),):
-        expected = f"one number for each of the {len(models)} models (at least one)"
-        refuse("values", values, f"values must have {expected}, not the shape {swept.shape}")
-    modes = [_checked(model).modes() for model in models]
-    points = [(m.pole, value) for group, value in zip(modes, swept, strict=True) for m in group]
-    poles, colours = np.array([pole for pole, _ in points]), [value for _, value in points]
-    figure, axes = _pole_axes(poles, title)
-    for ax, size in axes:
-        drawn = ax.scatter(poles.real, poles.imag, c=colours, s=18, cmap="viridis")
-        _name_modes(ax, modes[0], size)
-    figure.colorbar(drawn, ax=[ax for ax, _ in axes], label=label)
-    return figure
-
-
-def bode(
-    model: LinearModel | Margins,
-    output: str | None = None,
-    input: str | None = None,
-    title: str = "",
-) -> Figure:
-    """Bode diagram: gain in dB and phase in deg over the frequency in rad/s, sampled as flown.
-
-    The margins of a loop are marked.
-
-    Parameters
-    ----------
-    model : LinearModel or Margins
-        of an aircraft, or a loop of `margins`
-    output, input : str, optional
-        names, required if the model has several
-    title : str
-        headline; default names the signals, such as "c172p: elevator to theta"
-
-    Raises
-    ------
-    ParameterError
-        for any other object; for an unknown name, naming the nearest; without a name if there are
-        several, naming them
-    """
+    if not isinstance(loop, Margins):
+        why = f"loop must be a result of margins(), not {reprlib.repr(loop)}"
+        if isinstance(loop, LinearModel):
+            why += "; control.bode_plot(model.to_control()) draws a linear model"
+        refuse("loop", loop, why)
     figure, (gain, phase) = subplots(2, 1, sharex=True, figsize=(8, 6), layout="constrained")
-    if isinstance(model, Margins):
-        omega, response, unit, label = model.omega, model.response, "dB", model.loop
-        angle = _mark_margins(model, gain, phase)
-    else:
-        part = _one_path(_checked(model), output, input)
-        (y,), (u,) = part.outputs, part.inputs
-        label = f"{part.aircraft}: {u} to {y}"
-        unit = f"dB re {' '.join(filter(None, ('1', part.units[y])))}/{part.units[u]}"
-        rates = [mode.frequency for mode in part.modes() if mode.frequency > 1e-4]
-        # the response of a sampled system ends at pi / T
-        high = min(10 * max(rates, default=10.0), math.pi / part.dt)
-        omega = np.geomspace(min([0.1 * high, *(0.1 * rate for rate in rates)]), high, 600)
-        response = part.frequency_response(omega)[:, 0, 0]
-        angle = np.degrees(np.unwrap(np.angle(response)))
-    gain.semilogx(omega, 20 * np.log10(np.abs(response)))
-    phase.semilogx(omega, angle)
-    gain.set_ylabel(f"gain [{unit}]")
+    angle = _mark_margins(loop, gain, phase)
+    gain.semilogx(loop.omega, 20 * np.log10(np.abs(loop.response)))
+    phase.semilogx(loop.omega, angle)
+    gain.set_ylabel("gain [dB]")
     phase.set(ylabel="phase [deg]", xlabel="frequency [rad/s]")
     phase.yaxis.set_major_locator(MultipleLocator(90.0 if np.ptp(angle) > 270.0 else 45.0))
     for ax in (gain, phase):
         ax.grid(alpha=0.4, which="both")
-    figure.suptitle(title or label)
+    figure.suptitle(title or loop.loop)
     return figure
-
-
-def _one_path(model: LinearModel, output: str | None, input: str | None) -> LinearModel:
-    """The model from one input to one output."""
-    chosen = {}
-    for side, name in (("inputs", input), ("outputs", output)):
-        names = getattr(model, side)
-        if name is None and len(names) != 1:
-            refuse(side[:-1], None, f"name one of the model's {side}: {', '.join(names) or 'none'}")
-        chosen[side] = [names[0] if name is None else name]
-    return model.select(**chosen)
 
 
 def _mark_margins(loop: Margins, gain: Axes, phase: Axes) -> np.ndarray:
@@ -257,41 +191,3 @@ def _mark_margins(loop: Margins, gain: Axes, phase: Axes) -> np.ndarray:
             ax.plot([x, x], [level, level + away * margin], "o-", color="C1", markersize=4)
             ax.set_title(f"{text.format(margin)} at {x:.3g} rad/s", fontsize="small", loc="right")
     return angle
-
-
-def nyquist(loop: Margins, title: str = "") -> Figure:
-    """Nyquist diagram of a loop, with the point -1, the unit circle and the disk of its margin.
-
-    Parameters
-    ----------
-    loop : Margins
-        of `margins`; dashed at negative frequencies
-    title : str
-        headline; default is the name of the loop
-
-    Raises
-    ------
-    ParameterError
-        for an object that is not a loop of `margins`
-    """
-    if not isinstance(loop, Margins):
-        refuse("loop", loop, f"loop must be a result of margins(), not {reprlib.repr(loop)}")
-    figure, ax = subplots(figsize=(7, 6), layout="constrained")
-    x, y, alpha = loop.response.real, loop.response.imag, loop.disk_margin
-    ax.plot(x, y, label="L")
-    ax.plot(x, -y, "--", color="C0")
-    around = np.exp(1j * np.linspace(0.0, 2 * np.pi, 200))
-    ax.plot(around.real, around.imag, ":", color="0.4", linewidth=0.9)
-    if alpha < 2.0:
-        low, high = (2 - alpha) / (2 + alpha), (2 + alpha) / (2 - alpha)
-        disk = -(low + high) / 2 + (high - low) / 2 * around
-        ax.fill(disk.real, disk.imag, color="C1", alpha=0.3, label=f"disk margin {alpha:.2f}")
-    ax.plot(-1.0, 0.0, "+", color="C3", markersize=12)
-    ax.axhline(0.0, color="0.3", linewidth=0.8)
-    ax.axvline(0.0, color="0.3", linewidth=0.8)
-    ax.set(xlim=(-3.5, 1.5), ylim=(-2.5, 2.5), aspect="equal", xlabel="real part")
-    ax.set_ylabel("imaginary part")
-    ax.grid(alpha=0.4)
-    ax.legend()
-    figure.suptitle(title or loop.loop)
-    return figure
