@@ -2,7 +2,9 @@
 
 import contextlib
 import math
-from dataclasses import dataclass
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, replace
 
 from pathsim_jsbsim_blocks.errors import BlocksError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, LevelFlight, aircraft_names, trim
@@ -25,6 +27,8 @@ class FleetRow:
     error: BlocksError | None
     # engines that stop for want of fuel within 60 s of flight, fuel not frozen
     starved: tuple[int, ...] = ()
+    # whether JSBSim's own search trims it there too
+    by_jsbsim: bool = False
 
     @property
     def drift(self):
@@ -61,7 +65,7 @@ def fleet_table(names=None, duration=30.0):
         try:
             engines = prepared(name, None)[0].engines
             flight = level_or_glide(name, duration)
-            yield FleetRow(name, engines, flight, None, _starved(flight))
+            yield FleetRow(name, engines, flight, None, _starved(flight), _by_jsbsim(flight))
         except BlocksError as error:
             yield FleetRow(name, engines, flight, error)
 
@@ -88,9 +92,28 @@ def _starved(flight):
     return tuple(airframe.starved())
 
 
+def _by_jsbsim(flight):
+    """Whether JSBSim's own search finds the trim; in a process of its own, which it may abort."""
+    with ProcessPoolExecutor(1) as pool:
+        try:
+            return pool.submit(_searched, flight).result()
+        except BrokenProcessPool:
+            return False
+
+
+def _searched(flight):
+    try:
+        condition = replace(flight.condition, solver="jsbsim")
+        trim(Airframe(flight.aircraft, create=flight.create), condition, hint=False)
+    except BlocksError:
+        return False
+    return True
+
+
 HEADER = """\
-| aircraft | engines | altitude ft | KCAS | gear | alpha deg | throttle | drift ft | verdict |
-|---|--:|--:|--:|---|--:|--:|--:|---|
+| aircraft | engines | altitude ft | KCAS | gear | alpha deg | throttle | drift ft | verdict \
+| by JSBSim |
+|---|--:|--:|--:|---|--:|--:|--:|---|---|
 """
 
 
@@ -104,4 +127,5 @@ def format_row(row):
         numbers = [f"{condition.altitude:.0f}", f"{condition.speed:.0f}", gear]
         numbers += [f"{found.alpha:.2f}", throttle, f"{row.drift:+.1f}"]
     engines = "" if row.engines is None else str(row.engines)
-    return f"| {' | '.join([row.aircraft, engines, *numbers, row.verdict])} |"
+    search = "" if row.flight is None else "trims" if row.by_jsbsim else "fails"
+    return f"| {' | '.join([row.aircraft, engines, *numbers, row.verdict, search])} |"

@@ -449,6 +449,36 @@ def modes_counts():
     return "\n".join(lines)
 
 
+# of linear-models.md: two aircraft without spools for comparison with the turbines
+THROTTLES = ("c172p", "737", "global5000", "f16", "A4", "B747", "787-8", "MD11", "F4N", "Concorde")
+
+
+def throttle_table():
+    """Errors of the airspeed after doublets of the throttle that begin upwards and downwards."""
+    rows = {row["aircraft"]: row for row in read_table("fleet-modes")}
+    lines = [f"| | {' | '.join(THROTTLES)} |", "|---|" + "--:|" * len(THROTTLES)]
+    for direction in ("up", "down"):
+        errors = [rows[name][f"vt, {direction} first"].rstrip("%") for name in THROTTLES]
+        lines.append(f"| {direction}wards first | {' | '.join(errors)} |")
+    return "\n".join(lines)
+
+
+def searches():
+    """The row of trim.md: how many of the fleet each search trims."""
+    rows = read_table("fleet")
+    trims = {kind: [row for row in rows if row["verdict"].startswith(kind)] for kind in KINDS}
+    jsbsim = sum(row["by JSBSim"] == "trims" for row in trims["trims"])
+    level, glides = (len(trims[kind]) for kind in KINDS)
+    return (
+        f"| [the {len(rows)} bundled models](evidence/fleet.md) | {jsbsim} in level flight; "
+        f"glides are refused | {level} in level flight, {glides} in a glide |"
+    )
+
+
+# first words of the verdicts of fleet.csv
+KINDS = ("trims", "glides")
+
+
 def modes_of(name):
     """The row of one aircraft: its modes, or the error that says why it has none."""
     try:
@@ -524,6 +554,7 @@ def flown(plane, u):
 def write_pages():
     """Quick to write: the gallery, the table of blocks, and what stands in tables elsewhere."""
     put(DOCS / "monte-carlo.md", "batches", scale_table())
+    put(DOCS / "linear-models.md", "throttles", throttle_table())
     put(EVIDENCE / "designed-gains.md", "requirements", requirements_table())
     (DOCS / "pictures" / "layers.svg").write_text(layers_picture(), encoding="utf-8")
     (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")

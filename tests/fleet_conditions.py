@@ -66,7 +66,7 @@ NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
     "minisgs": "thrust",
     "mk82": "thrust",
     "p51d": "no effect",
-    "paraglider": "no effect",
+    "paraglider": "thrust",
     "pc7": "thrust",
     "pogo-jsbsim": "thrust",
     "Pterosaur": "alpha limit",

@@ -1,5 +1,6 @@
 """Documentation that runs: all code blocks of the README and the pages, all docstring examples."""
 
+import ast
 import doctest
 import importlib
 import json
@@ -13,6 +14,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 from all_holds import HOLDS
+from printed import run_code
 
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.catalogue import (
@@ -61,7 +63,18 @@ def test_python_blocks_run_in_their_order(page, tmp_path):
     script = tmp_path / f"{page.stem}.py"
     code = "\n".join(blocks(page, "python"))
     script.write_text(code, encoding="utf-8")
-    exec(compile(code, str(script), "exec"), {"__name__": page.stem, "__file__": str(script)})
+    names = {"__name__": page.stem, "__file__": str(script)}
+    assert run_code(code, script, names) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_outputs_in_comments_are_compared(page):
+    code = "\n".join(blocks(page, "python"))
+    lines = code.splitlines()
+    calls = (n for n in ast.walk(ast.parse(code)) if isinstance(n, ast.Call))
+    prints = [n for n in calls if getattr(n.func, "id", "") == "print"]
+    comments = [lines[n.end_lineno - 1].partition("  # ")[2] for n in prints]
+    assert [c for c in comments if re.search(r"\d", c) and not c.startswith("prints: ")] == []
 
 
 def sessions():
@@ -280,7 +293,13 @@ def test_generated_pages_are_current_and_made_by_one_command(monkeypatch):
     if sys.version_info >= (3, 11):  # with tomllib
         layers = importlib.import_module("layers").layers_picture()
         assert layers == (ROOT / "docs/pictures/layers.svg").read_text(encoding="utf-8")
-    assert generate.scale_table() in (ROOT / "docs" / "monte-carlo.md").read_text(encoding="utf-8")
+    generated = {
+        "monte-carlo": generate.scale_table(),
+        "trim": generate.searches(),
+        "linear-models": generate.throttle_table(),
+    }
+    for page, text in generated.items():
+        assert text in (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8"), page
     for name in diagram_names():
         assert f".. image:: ../pictures/{name}.png" in generate.diagram_page(name), name
     # a formula stays a directive, which Sphinx typesets

@@ -8,8 +8,11 @@ import importlib
 import os
 import signal
 import sys
+import tracemalloc
 
 import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant, Scope
 
 # module, name, file that uses it: each is looked for in its library and in our source
 USED = [
@@ -56,3 +59,19 @@ def test_joblib_gives_equal_values_equal_sums():
     one, other = {"a": [1.0, "x"], "b": None}, {"b": None, "a": [1.0, "x"]}
     assert joblib.hash(one) == joblib.hash(other)
     assert joblib.hash(one) != joblib.hash({**one, "b": 0})
+
+
+def test_a_scope_keeps_160_bytes_a_step_and_8_more_a_port():
+    # `docs/conventions.md`: a list of arrays, whose heads weigh more than their numbers
+    bytes_per_step = {}
+    for ports in (1, 5):
+        sources, scope = [Constant(float(i)) for i in range(ports)], Scope()
+        wires = [Connection(source, scope[i]) for i, source in enumerate(sources)]
+        sim = Simulation([*sources, scope], wires, dt=0.01, log=False)
+        sim.run(1.0)
+        tracemalloc.start()
+        sim.run(20.0)
+        bytes_per_step[ports] = tracemalloc.get_traced_memory()[0] / 2000
+        tracemalloc.stop()
+    assert bytes_per_step[1] == pytest.approx(160, abs=15)
+    assert bytes_per_step[5] - bytes_per_step[1] == pytest.approx(4 * 8, abs=6)
