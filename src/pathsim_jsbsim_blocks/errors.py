@@ -250,6 +250,23 @@ class CopyError(BlocksError, TypeError):
         self.aircraft = aircraft
 
 
+class BranchError(BlocksError, RuntimeError):
+    """A future of `studies.branch` has no result, or no branch is possible.
+
+    Attributes
+    ----------
+    future : int or None
+        its place in the list, None if no branch is possible
+    reason : str
+        what ended the future, such as "killed by SIGKILL"
+    """
+
+    def __init__(self, message: str, *, future: int | None = None, reason: str = ""):
+        super().__init__(message)
+        self.future = future
+        self.reason = reason or message
+
+
 class DiagramError(BlocksError, ValueError):
     """A script or a model file cannot be read, or cannot be represented in the other format.
 

@@ -16,6 +16,7 @@ import os
 import re
 import tempfile
 import xml.etree.ElementTree as ET
+import weakref
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
@@ -49,6 +50,9 @@ _MIXTURE = re.compile(r"fcs/mixture-cmd-norm(\[\d+\])?$")
 _SOCKET = re.compile(r":\d+/(TCP|UDP)$")
 # s, too short for any motion
 _INSTANT = 1e-12
+
+# airframes that are connected to FlightGear, or allowed a network
+with_sockets: weakref.WeakSet[Airframe] = weakref.WeakSet()
 
 
 class Airframe(PropertyTree):
@@ -247,6 +251,8 @@ class Airframe(PropertyTree):
             xml = directive(*self._flightgear)
             send = lambda: _with_file(xml, fdm.set_output_directive)  # noqa: E731
             self._do("send aircraft {!r} to FlightGear", send)
+        if self._network or self._flightgear is not None:
+            with_sockets.add(self)
         if self._outputs or self._flightgear is not None:
             fdm.enable_output()
         else:

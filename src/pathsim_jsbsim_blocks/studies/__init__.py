@@ -4,6 +4,7 @@ Needs the extra ``studies``: ``pip install "pathsim-jsbsim-blocks[studies]"``.
 """
 
 from .batch import run_batch
+from .branch import branch
 from .figures import (
     alpha_elevator_chart,
     climb_chart,
@@ -34,6 +35,7 @@ __all__ = [
     "alpha_elevator_chart",
     "aoa_vs_cas",
     "aoa_vs_cas_loading",
+    "branch",
     "climb_chart",
     "climb_schedule",
     "envelope_map",
