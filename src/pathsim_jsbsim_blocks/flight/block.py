@@ -391,7 +391,8 @@ class FlightBlock(Parametric, SampledPlant):
         # copy.copy and copy.deepcopy call this too
         name, aircraft = type(self).__name__, self.airframe.aircraft
         why = f"{name} {aircraft!r} cannot be copied or pickled: JSBSim's state stays in its "
-        why += f"process. Build another {name} with the same parameters"
+        why += f"process. Build another {name} with the same parameters; studies.branch runs "
+        why += "several futures of this flight"
         raise CopyError(why, block=name, aircraft=aircraft)
 
     def reset(self) -> None:
@@ -513,4 +514,5 @@ class FlightBlock(Parametric, SampledPlant):
     def to_checkpoint(self, prefix: str, recordings: bool = False) -> tuple[dict, dict]:
         """Refused: JSBSim cannot save its state."""
         why = f"the flight of {self.airframe.aircraft!r} cannot be saved in a checkpoint: JSBSim "
-        refuse("checkpoint", prefix, f"{why}cannot save its state")
+        why += "cannot save its state. studies.branch runs several futures from this instant"
+        refuse("checkpoint", prefix, why)
