@@ -15,8 +15,8 @@ import math
 import os
 import re
 import tempfile
-import xml.etree.ElementTree as ET
 import weakref
+import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
