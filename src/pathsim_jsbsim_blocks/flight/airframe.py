@@ -42,6 +42,7 @@ from .model_files import ModelFile
 from .model_xml import Engine
 from .planet import gravity_properties, planet_xml
 from .property_tree import PropertyTree
+from .script import ScriptRun, StartFile
 from .writable import ENGINE_RUNS
 
 _TANK = re.compile(r"propulsion/tank(\[\d+\])?/contents-lbs$")
@@ -74,6 +75,8 @@ class Airframe(PropertyTree):
         loaded from a private copy, which is then removed; the installed model is unchanged
     create, allow_network, allow_files, integrators, planet, gravity, flightgear
         as of `Aircraft`
+    start : StartFile, optional
+        script or reset file with which the model is loaded, and which gives its time step
 
     Attributes
     ----------
@@ -85,6 +88,8 @@ class Airframe(PropertyTree):
         names of the contents of each tank
     stopped : frozenset of int
         engines that do not run, set by a trim
+    run, sim_time : callable
+        JSBSim's step, and its clock in s; with a script, those of a `ScriptRun`
 
     Raises
     ------
@@ -111,9 +116,11 @@ class Airframe(PropertyTree):
         planet: str | Mapping[str, float] | None = None,
         gravity: str | None = None,
         flightgear: str | None = None,
+        start: StartFile | None = None,
     ):
         self.substeps = integer("substeps", substeps, low=1)
         self.dt = positive("dt", dt) / self.substeps
+        self.start = start
         self.root = root
         self._file = ModelFile(aircraft, root)
         self.aircraft = self._file.aircraft
@@ -131,6 +138,8 @@ class Airframe(PropertyTree):
         if gravity is not None:
             self._equations |= gravity_properties(gravity)
         self._written: dict[str, float] = {}
+        # created after loading, if the model lacks them
+        self._declared: Mapping[str, float] = {}
         self.stopped: frozenset[int] = frozenset()
         self._open()
 
@@ -147,8 +156,13 @@ class Airframe(PropertyTree):
         self.write(written)
 
     def twin(self) -> Airframe:
-        """Another airframe of the same model, sealed, with what `create` and `write` have set."""
+        """Another airframe of the same model, sealed, with what `create` and `write` have set.
+
+        It has no script, whose events would act in a trim.
+        """
         other = copy.copy(self)
+        if self.start is not None:
+            other.start, other._declared = None, self.start.declared
         other._written = dict(self._written)
         other._network = other._files = False
         other._flightgear = None
@@ -167,6 +181,8 @@ class Airframe(PropertyTree):
 
     def _open(self) -> None:
         self._load_with_all()
+        for name, value in self._declared.items():
+            self.make(name, value)
         # in this order: a model may define a planet, and a planet resets the integrators
         if self._planet is not None:
             self._do("put aircraft {!r} on this planet", self._load_planet)
@@ -178,6 +194,11 @@ class Airframe(PropertyTree):
         self._choose_outputs()
         for name, start in self.created.items():
             self.writer(name)(start)
+        self.script_run = None
+        self.run, self.sim_time = self.fdm.run, self.fdm.get_sim_time
+        if self.start is not None and self.start.is_script:
+            self.script_run = ScriptRun(self.fdm, self.start.path.name)
+            self.run, self.sim_time = self.script_run.step, self.script_run.time
 
     def _load_with_all(self) -> None:
         """Load the model with all properties to which it refers; AircraftError names those missing.
@@ -205,9 +226,9 @@ class Airframe(PropertyTree):
             _warn_once(f"aircraft {self.aircraft!r}: {self.created_as_zero()}", self._file.path)
 
     def _missing(self) -> list[str]:
-        """Properties to which the model refers and which do not exist."""
-        missing = []
-        for name in self._xml.references:
+        """Properties to which the model or its script refers and which do not exist."""
+        missing, events = [], () if self.start is None else self.start.references
+        for name in (*self._xml.references, *events):
             with contextlib.suppress(RuntimeError):  # not a property's name
                 if not self._properties.hasNode(name):
                     missing.append(name)
@@ -264,7 +285,14 @@ class Airframe(PropertyTree):
             self.fdm[switch] = 1.0
 
     def _load(self) -> str:
-        return failure_of(lambda: self.fdm.load_model(self.aircraft))
+        if self.start is None:
+            return failure_of(lambda: self.fdm.load_model(self.aircraft))
+        with self.start.staged() as path:
+            failure = failure_of(lambda: self.fdm.load_script(path))
+        if failure:
+            return f"{self.start}: {failure.replace(path, self.start.path.name)}"
+        self.dt = self.fdm.get_delta_t()
+        return ""
 
     def _load_planet(self) -> bool:
         return _with_file(str(self._planet), lambda file: self.fdm.load_planet(file, False))
@@ -284,6 +312,8 @@ class Airframe(PropertyTree):
         own = [name for name in lacking if not name.startswith("/")]
         close = {name: [n for n in self._similar(name) if n not in lacking][:2] for name in own}
         hints = {name: f" ({did_you_mean(n)[2:]})" for name, n in close.items() if n}
+        if self.start is not None:
+            hints = {n: hints.get(n, "") + self.start.place_of(n) for n in lacking}
         names = ", ".join(f"{name!r}{hints.get(name, '')}" for name in lacking)
         create = self.created | dict(lacking)
         return AircraftError(

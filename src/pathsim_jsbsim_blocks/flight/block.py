@@ -36,8 +36,10 @@ from .console import capture_console
 from .contact import GroundContact
 from .flightgear import next_address
 from .property_ports import check_ports, listed
+from .script import StartFile
 from .trimming import TrimState, trim
 from .trimming.condition import TrimCondition, check_condition
+from .trimming.initial import start_from_file
 from .trimming.trimmer import Trimmer
 
 if TYPE_CHECKING:
@@ -59,7 +61,12 @@ _CRASH = 50.0
 _UNDERGROUND = -1.0
 
 # parameters of the airframe
-_OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {"aircraft", "dt", "empty_cg_x"}
+_OF_AIRFRAME = set(inspect.signature(Airframe).parameters) - {
+    "aircraft",
+    "dt",
+    "empty_cg_x",
+    "start",
+}
 
 # parameters that are fields of a trim condition; a block's own setup is written after the field's
 _OF_CONDITION = {f.name for f in fields(TrimCondition)} - {"setup"}
@@ -96,6 +103,8 @@ class FlightBlock(Parametric, SampledPlant):
 
     airframe: Airframe
     trim: TrimState
+    # whether it only looks at a flight, without files and sockets
+    _sealed = False
     # key of the last flight, and its aircraft
     _before: tuple[str, Airframe] | None = None
     # key of the linearised flight, and its model
@@ -105,9 +114,9 @@ class FlightBlock(Parametric, SampledPlant):
 
     @classmethod
     def _trimmed_like(cls, before: tuple[str, Airframe] | None, **parameters: Any) -> Any:
-        """A block that takes over the trim of an earlier flight with the same parameters."""
+        """A sealed block that takes over the trim of an earlier flight with the same parameters."""
         block = cls.__new__(cls)
-        block._before = before
+        block._before, block._sealed = before, True
         cls.__init__(block, **parameters)
         return block
 
@@ -171,6 +180,10 @@ class FlightBlock(Parametric, SampledPlant):
                 why = f"both condition and {name}={value!r} are given: put {name} into the "
                 refuse(name, value, f"{why}condition")
         return self.condition
+
+    def _start_file(self) -> StartFile | None:
+        """The script or reset file from which the aircraft starts, if any."""
+        return None
 
     def channels(self) -> tuple[list[Channel], list[Channel]]:
         """Inputs and outputs as properties."""
@@ -314,16 +327,22 @@ class FlightBlock(Parametric, SampledPlant):
         self._substeps = self._checked.substeps
         dt = self._checked.T / self._substeps
         number("T / substeps", dt, low=SHORTEST_PERIOD, high=_LONGEST_STEP)
-        condition = self._condition()
+        start, condition = self._start_file(), self._condition()
         self._flying = self._flight_key()
         before, self._before = self._before, None
+        options = {name: getattr(self, name) for name in _OF_AIRFRAME}
+        if self._sealed:
+            options |= {"allow_network": False, "allow_files": False}
         self.airframe = Airframe(
-            self._model(),
+            self._model() if start is None else start.aircraft,
             self._checked.T,
             empty_cg_x=condition.empty_cg_x,
-            **{name: getattr(self, name) for name in _OF_AIRFRAME},
+            start=start,
+            **options,
         )
-        if before and before[0] == self._flying:
+        if start is not None:
+            self.trim = start_from_file(self.airframe, self.setup)
+        elif before and before[0] == self._flying:
             # the same flight again: skip the checks that it has passed
             like = Trimmer.of(before[1])
             self.trim, _ = Trimmer.of(self.airframe).trim(condition, self.setup, like=like)
@@ -332,18 +351,17 @@ class FlightBlock(Parametric, SampledPlant):
         write, read = self._connect()
         self.airframe.write(self.properties, "properties")
         self._before = self._flying, self.airframe
-        fdm = self.airframe.fdm
         speed, height, nz = (self.airframe.reader(name) for name in _WATCHED)
         self._thread = get_ident()
         self._n_inputs = len(port_names(self.inputs))
         self._n_outputs = len(port_names(self.outputs))
-        self._step, self._time_zero = dt, fdm.get_sim_time()
+        self._step, self._time_zero = self.airframe.dt, self.airframe.sim_time()
         # what `advance` uses, in one look-up
         numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
         limits = (getattr(self._checked, name, inf) for name in ("sink_max", "scrape_max"))
         contact = GroundContact(self.airframe, *limits)
         watched = speed, height, nz, contact.reach, contact.broken
-        self._bound = fdm.run, fdm.get_sim_time, write, read, *watched, numbers
+        self._bound = self.airframe.run, self.airframe.sim_time, write, read, *watched, numbers
         self._starved = self.airframe.starved()
         self._fuel_at = _FUEL_CHECK / (dt * self._substeps) if self.airframe.engines else inf
         y = read()
@@ -369,6 +387,8 @@ class FlightBlock(Parametric, SampledPlant):
     def __repr__(self) -> str:
         if not hasattr(self, "trim"):
             return f"{type(self).__name__}(not built)"
+        if self.airframe.start is not None:
+            return f"{type(self).__name__}({self.airframe.aircraft!r}, {self.airframe.start})"
         condition = self.trim.condition
         speed = (
             f"{condition.speed:g} KCAS" if condition.mach is None else f"Mach {condition.mach:g}"
@@ -469,7 +489,7 @@ class FlightBlock(Parametric, SampledPlant):
 
     def _steps_since(self, index: int) -> int:
         """JSBSim's own count of its steps since an instant."""
-        time = self.fdm.get_sim_time() - self._time_zero
+        time = self.airframe.sim_time() - self._time_zero
         return round(time / self._step) - index * self._substeps
 
     def _end(self, why: str, name: str, value: float, t: float) -> NoReturn:
@@ -477,8 +497,17 @@ class FlightBlock(Parametric, SampledPlant):
         message = f"aircraft {aircraft!r}{why}"
         raise FlightError(message, aircraft=aircraft, time=t, name=name, value=value) from None
 
-    def _fail(self, what: str, name: str, value: float, t: float) -> NoReturn:
-        """End a flight because of an impossible value."""
+    def _fail(self, what: str, name: str, value: float, t: float) -> None:
+        """End a flight because of an impossible value; in a script, of one that is not finite.
+
+        JSBSim flies its scripts through the ground.
+        """
+        script = self.airframe.script_run
+        if script is not None and isfinite(value):
+            script.warn(
+                "limit", f"{self.airframe.aircraft}: {what} is {value:.6g} at t = {t:.9g} s"
+            )
+            return
         self._end(f": {what} is {value:.6g} at t = {t:.9g} s", name, value, t)
 
     def _fail_step(self, index: int, error: Exception) -> NoReturn:
@@ -488,7 +517,7 @@ class FlightBlock(Parametric, SampledPlant):
         self._end(why, name, getattr(error, "value", nan), t)
 
     def _fail_time(self, index: int) -> NoReturn:
-        time = self.fdm.get_sim_time() - self._time_zero
+        time = self.airframe.sim_time() - self._time_zero
         why = f": its clock shows {time:.9g} s after {index} periods of {self.clock.period:.9g} s: "
         why += "other code runs or holds it. Reset the simulation to fly again"
         self._end(why, "simulation/sim-time-sec", time, self._time(index))

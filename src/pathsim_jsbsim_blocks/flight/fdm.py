@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from .._core.checks import flag, integer, optional, positive
+import numpy as np
+
+from .._core.checks import flag, integer, optional, positive, refuse
 from .._core.parameters import parameter
 from .._core.pathsim_internals import port_names
 from .block import FlightBlock, Read, Write
 from .channels import Channel, unit_of
 from .flightgear import address
+from .script import StartFile, reset_file, script_file
 from .trimming.condition import Mode, TrimCondition
 
 _ROUNDING = 1e-9  # of a search that ends at 0
+
+# pathsim-flight's; with a script they count as not set
+_DEFAULT_T = 1 / 120  # s
+_DEFAULT_MODEL = "737"
 
 
 @dataclass(eq=False, repr=False)
@@ -43,7 +51,7 @@ class JSBSimFDM(FlightBlock):
         calibrated airspeed to trim at, kt
     trim_altitude : float
         altitude above mean sea level in ft, geometric, up to 278,386, near the end of the standard
-        atmosphere (1,000,000 in mode "none")
+        atmosphere (1e9 in mode "none")
     trim_gamma : float
         flight path angle in deg, positive in a climb
     trim_heading : float
@@ -98,6 +106,15 @@ class JSBSimFDM(FlightBlock):
     flightgear : str, optional
         ``"HOST:PORT"`` where FlightGear listens, such as "127.0.0.1:5550": JSBSim sends its native
         FDM packets there by UDP, 60 per second of flight, without waiting for a reply
+    script : str, optional
+        a JSBSim script (``<runscript>``), a path or a name below the JSBSim root
+        ("scripts/c1723.xml"), flown bit for bit as JSBSim flies it. It gives the model, ``T`` (its
+        ``dt`` times ``substeps``), the start and the events; `duration` is the time to its end.
+        Events do not write to properties that are inputs of the block. ``setup`` is written before
+        the start, ``properties`` after it
+    initialize : str, optional
+        a JSBSim reset file (``<initialize>``), a path or the name of one beside the model
+        ("reset00"): the flight starts in exactly this state, trimmed if the file asks for a trim
 
     Inputs
     ------
@@ -116,7 +133,8 @@ class JSBSimFDM(FlightBlock):
     FlightError
         in flight, if an input or the state is not finite, the aircraft has crashed or is under the
         ground, or other code runs or holds it; with `Aircraft` also at ground contact beyond
-        ``sink_max`` or ``scrape_max``
+        ``sink_max`` or ``scrape_max``. With a script only if a value is not finite or an event
+        fails: JSBSim flies scripts through the ground
 
     Examples
     --------
@@ -127,11 +145,11 @@ class JSBSimFDM(FlightBlock):
     1.29
     """
 
-    T: float = parameter(1 / 120, positive)
+    T: float = parameter(_DEFAULT_T, positive)
     input_properties: Sequence[str] | None = None
     output_properties: Sequence[str] | None = None
     JSBSim_path: str | None = None
-    aircraft_model: str = "737"
+    aircraft_model: str = _DEFAULT_MODEL
     trim_airspeed: float = 200
     trim_altitude: float = 1000
     trim_gamma: float = 0
@@ -150,6 +168,8 @@ class JSBSimFDM(FlightBlock):
     planet: str | Mapping[str, float] | None = None
     gravity: str | None = None
     flightgear: str | None = parameter(None, optional, of=address)
+    script: str | None = None
+    initialize: str | None = None
 
     input_port_labels = None
     output_port_labels = None
@@ -165,6 +185,47 @@ class JSBSimFDM(FlightBlock):
 
     # as pathsim-flight's block trims
     _solver = "jsbsim"
+
+    def _begin(self) -> None:
+        if self.script is not None and positive("T", self.T) == _DEFAULT_T:
+            substeps = integer("substeps", self.substeps, low=1)
+            self.T = script_file(self.script, self.root).dt * substeps
+        super()._begin()
+
+    def _start_file(self) -> StartFile | None:
+        if self.script is None and self.initialize is None:
+            return None
+        self._refuse_other_starts()
+        if self.script is None:
+            dt = self._checked.T / self._checked.substeps
+            return reset_file(self.initialize, self.aircraft_model, dt, self.root)
+        file = script_file(self.script, self.root, port_names(self.inputs))
+        T = file.dt * self._checked.substeps
+        if not math.isclose(self._checked.T, T, rel_tol=1e-9):
+            why = f"T={self.T!r}, but {file} has the step {file.dt!r} s: leave T out, or set {T!r}"
+            refuse("T", self.T, why)
+        if self.aircraft_model not in (_DEFAULT_MODEL, file.aircraft):
+            why = f"aircraft_model={self.aircraft_model!r}, but {file} flies {file.aircraft!r}: "
+            refuse("aircraft_model", self.aircraft_model, f"{why}leave aircraft_model out")
+        return file
+
+    def _refuse_other_starts(self) -> None:
+        """Refuse parameters that start the flight in another way than a file does."""
+        file = "initialize" if self.script is None else "script"
+        others = ["condition", "planet", "gear", "flaps", *self._trim_names]
+        for name in [*others, "initialize"] if file == "script" else others:
+            value = getattr(self, name)
+            if np.any(value != self.__dataclass_fields__[name].default):
+                why = (
+                    f"{name}={value!r} cannot be combined with {file}: the flight starts from the "
+                )
+                refuse(name, value, f"{why}file; setup writes properties before the start")
+
+    @property
+    def duration(self) -> float | None:
+        """Time from the start of the script to its end, s; None without a script."""
+        file = self.airframe.start
+        return file.end - file.start if file is not None and file.is_script else None
 
     def _model(self) -> str:
         return self.aircraft_model
@@ -191,6 +252,8 @@ class JSBSimFDM(FlightBlock):
 
     def _connect(self) -> tuple[Write, Read]:
         self._check_properties()
+        if self.airframe.start is not None:
+            self.airframe.start.check(self.airframe, self._checked.allow_files)
         self._trimmed = [
             self.airframe.fdm[name] if "r" in self.airframe.access(name) else 0.0
             for name in port_names(self.inputs)

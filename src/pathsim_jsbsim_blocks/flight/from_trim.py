@@ -31,9 +31,8 @@ def twin(flown: Flyable) -> Any:
     # the constructor of a user's subclass may have other parameters
     block: Any = next(c for c in type(flown).__mro__ if "__dataclass_fields__" in vars(c))
     parameters = {f.name: getattr(flown, f.name) for f in fields(block)}
-    sealed = dict.fromkeys(("allow_network", "allow_files"), False)
     with _unobserved(), sending_to(None):
-        return block._trimmed_like(flown._before, **{**parameters, **sealed, "flightgear": None})
+        return block._trimmed_like(flown._before, **{**parameters, "flightgear": None})
 
 
 def trim_here(flown: Flyable, changes: Mapping[str, Any]) -> TrimState:

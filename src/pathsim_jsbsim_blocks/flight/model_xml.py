@@ -157,7 +157,7 @@ class ModelXml:
         """Properties to which the files refer, whether they exist or not, in order."""
         names: dict[str, None] = {}
         for element, engine in self._elements:
-            for name in _names(element):
+            for name in names_in(element):
                 names[name.replace("#", engine)] = None
         return tuple(name for name in names if "[]" not in name)
 
@@ -284,7 +284,7 @@ def _within(tree: ET.Element) -> list[tuple[ET.Element, str]]:
     return elements
 
 
-def _names(element: ET.Element) -> list[str]:
+def names_in(element: ET.Element) -> list[str]:
     """Properties in an element's text, tests and attributes."""
     text = element.text or ""
     single = text.strip(), element.get("execute", ""), element.get("value", "")

@@ -33,7 +33,7 @@ class LinearAircraft(LinearModelBlock):
         name of the JSBSim model
     altitude : float
         altitude above mean sea level in ft, geometric, up to 278,386, near the end of the standard
-        atmosphere (1,000,000 in mode "none")
+        atmosphere (1e9 in mode "none")
     speed : float
         calibrated airspeed in kt, up to 2000; not used if ``mach`` is given
     mach : float, optional

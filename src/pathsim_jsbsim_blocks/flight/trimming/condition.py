@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NoReturn, get_args
@@ -18,8 +19,8 @@ Mode = Literal["full", "longitudinal", "turn", "pull-up", "ground", "glide", "no
 Solver = Literal["jsbsim", "newton"]
 SOLVERS = get_args(Solver)
 
-# ft; maximum altitude without a trim, beyond the atmosphere
-_HIGHEST = 1e6
+# ft; maximum altitude without a trim, beyond any orbit
+_HIGHEST = 1e9
 
 # bounds of the numeric fields, for `number`
 _BOUNDS: Mapping[str, Mapping[str, Any]] = {
@@ -84,7 +85,7 @@ class TrimCondition:
     ----------
     altitude : float
         altitude above mean sea level in ft, geometric, up to 278,386, near the end of the standard
-        atmosphere (1,000,000 in mode "none")
+        atmosphere (1e9 in mode "none")
     speed : float
         calibrated airspeed in kt, up to 2000; not used if ``mach`` is given
     mach : float, optional
@@ -221,6 +222,51 @@ class TrimCondition:
     def _put(self, name: str, value: Any) -> None:
         # bypasses the frozen dataclass
         object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_file(
+        cls,
+        file: str | os.PathLike[str],
+        aircraft: str,
+        *,
+        root: str | None = None,
+        create: Mapping[str, float] | str | None = None,
+        **changes: Any,
+    ) -> TrimCondition:
+        """The condition in a JSBSim reset file (``<initialize>``, versions 1 and 2).
+
+        A trim begins with the file's place, altitude, airspeed, path angle, heading and wind. In
+        mode "none" the condition is the state in the file, but the block starts the engines;
+        ``initialize`` of `JSBSimFDM` starts exactly as JSBSim does.
+
+        Parameters
+        ----------
+        file : str
+            path, or the name of a file beside the model ("reset00")
+        aircraft : str
+            name of the JSBSim model, into which JSBSim reads the file
+        root, create : optional
+            as of `Aircraft`
+        **changes
+            fields that differ. ``mode`` is by default the trim for which the file asks, or "none"
+
+        Raises
+        ------
+        AircraftError, ParameterError
+            if JSBSim cannot read the file, and for a state that is no condition
+        """
+        # loads JSBSim, which a condition does not need
+        from .reset_file import ResetState
+
+        state = ResetState(file, aircraft, root, create)
+        asked = next((mode for mode, trim in MODES.items() if trim == state.trim), "none")
+        fields = state.fields(changes.get("mode", asked))
+        for name in {*fields, "mach", "gamma", "bank"} & {*changes} - {"mode", "setup"}:
+            if fields["mode"] == "none" and name != "engines_off":
+                why = f"{name} is that of the file in mode 'none': change it by setup, or trim"
+                refuse(name, changes[name], f"{why} (mode='full')")
+        setup = {**fields.get("setup", {}), **mapping("setup", changes.get("setup"))}
+        return cls(**{**fields, **changes, "setup": setup})
 
     def _refuse(self, name: str, why: str) -> NoReturn:
         value = getattr(self, name)

@@ -10,12 +10,16 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
+import jsbsim
+
 from ..._core.aircraft_ports import property_of
+from ..._core.callers import warn_user
 from ..._core.checks import mapping, one_of, refuse
 from ..airframe import Airframe
+from ..console import failure_of
 from ..writable import ENGINE_RUNS, cannot_stop
 from .condition import TrimCondition
-from .state import read_state
+from .state import TrimState, read_state
 
 _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, where the ground trim starts
 
@@ -189,6 +193,26 @@ def initialise(
         airframe.start_engines()
 
 
+def start_from_file(airframe: Airframe, setup: Mapping[str, float] | None) -> TrimState:
+    """Initialise an airframe as JSBSim does with its script or reset file, which may ask to trim.
+
+    ``setup`` is written first. A trim that fails is a warning, and the aircraft flies untrimmed, as
+    by JSBSim's command line.
+    """
+    airframe.write(setup, "setup")
+    # JSBSim writes a row before the first step
+    airframe.start_outputs()
+    airframe.run_ic()
+    fdm = airframe.fdm
+    asked = fdm.get_ic().trim_requested()
+    if asked != jsbsim.TrimMode.NONE and (why := failure_of(jsbsim.FGTrim(fdm, asked).do_trim)):
+        warn_user(f"{airframe.start}: the trim at the start failed: {why}")
+    place = {"altitude": fdm[property_of("h")], "speed": fdm[property_of("vc")]}
+    condition = TrimCondition(mode="none", **place)
+    read_back(airframe, condition, setup, ())
+    return read_state(airframe, condition)
+
+
 # properties whose present values replace those of the original setup
 _PRESENT = re.compile(
     r"ic/(?!terrain)|propulsion/(tank.*/contents-lbs|(engine.*/)?set-running)$"
@@ -207,6 +231,8 @@ def present_condition(
     for name in changes:
         one_of("change", name, names)
     fdm, now = airframe.fdm, read_state(airframe, condition)
+    # at rest it has no path
+    climb = fdm[property_of("hdot")] / now.tas if now.tas else 0.0
     mode = "full" if condition.mode in ("ground", "none", "pull-up") else condition.mode
     before = {**condition.setup, **mapping("setup", setup)}
     masses = map("inertia/pointmass-weight-lbs[{}]".format, itertools.count())
@@ -215,7 +241,7 @@ def present_condition(
         "speed": now.speed,
         "mach": None,
         # relative to the air, unlike JSBSim's own
-        "gamma": math.degrees(math.asin(fdm[property_of("hdot")] / now.tas)),
+        "gamma": math.degrees(math.asin(min(max(climb, -1.0), 1.0))),
         "heading": now.psi,
         "bank": now.phi if changes.get("mode", mode) == "turn" else 0.0,
         "load_factor": 1.0,
