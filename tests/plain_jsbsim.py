@@ -65,3 +65,39 @@ def fly(fdm, inputs, u, outputs, substeps=1):
             fdm.run()
         y.append([fdm[name] for name in outputs])
     return np.array(y)
+
+
+def flown_script(script, outputs, seconds, trims=True):
+    """Rows of JSBSim's own flight of a script, the start first, until its end or an exception.
+
+    ``trims`` adds the trim that a reset file asks for, as JSBSim's command line does.
+    """
+    jsbsim.FGJSBBase().debug_lvl = 0
+    fdm = jsbsim.FGFDMExec(None)
+    fdm.disable_output()
+    fdm.disable_input()
+    fdm.set_output_path(os.path.join(os.devnull, "none"))
+    assert fdm.load_script(script)
+    fdm.disable_output()
+    return rows_from_start(fdm, outputs, seconds, trims)
+
+
+def flown_reset_file(aircraft, file, outputs, seconds, dt=1 / 120):
+    """Rows of JSBSim's own flight from a reset file, with the trim that the file asks for."""
+    fdm = open_fdm(aircraft, dt)
+    assert fdm.load_ic(file, True)
+    return rows_from_start(fdm, outputs, seconds, True)
+
+
+def rows_from_start(fdm, outputs, seconds, trims):
+    fdm.run_ic()
+    asked = fdm.get_ic().trim_requested()
+    if trims and asked != jsbsim.TrimMode.NONE:
+        jsbsim.FGTrim(fdm, asked).do_trim()
+    rows = [[fdm[name] for name in outputs]]
+    for _ in range(round(seconds / fdm.get_delta_t())):
+        going = fdm.run()
+        rows.append([fdm[name] for name in outputs])
+        if not going:
+            break
+    return np.array(rows)

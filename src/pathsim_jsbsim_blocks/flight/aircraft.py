@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from .._core.aircraft_ports import (
     ALMOST_NORTH,
@@ -21,6 +21,7 @@ from .._core.callers import warn_user
 from .._core.checks import flag, integer, number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
+from ..errors import KeywordError
 from .airframe import Airframe
 from .block import FlightBlock, Read, Write
 from .channels import Channel, port_channel, unit_of
@@ -236,6 +237,13 @@ class Aircraft(FlightBlock):
 
     _short = SHORT_INPUTS, SHORT_OUTPUTS
     _warned_of_units = False
+
+    def __new__(cls, *arguments: Any, **keywords: Any) -> Any:
+        for name in {"script", "initialize"} & {*keywords}:
+            why = f"{cls.__name__} has no parameter {name!r}: its increments on trimmed commands "
+            why += "would erase what a script writes; use JSBSimFDM"
+            raise KeywordError(why, parameter=name, value=keywords[name])
+        return super().__new__(cls, *arguments, **keywords)
 
     def _model(self) -> str:
         return self.aircraft

@@ -223,9 +223,11 @@ class JSBSimFDM(FlightBlock):
 
     @property
     def duration(self) -> float | None:
-        """Time from the start of the script to its end, s; None without a script."""
+        """Time from the start of the script to its last sample, s; None without a script."""
         file = self.airframe.start
-        return file.end - file.start if file is not None and file.is_script else None
+        return (
+            file.steps // self._substeps * self.T if file is not None and file.is_script else None
+        )
 
     def _model(self) -> str:
         return self.aircraft_model

@@ -56,8 +56,10 @@ class StartFile:
         absolute path of the file
     aircraft : str
         name of the model
-    dt, start, end : float
-        JSBSim's step, and its clock at the start and at the end, s
+    dt : float
+        JSBSim's step, s
+    steps : float
+        number of steps to the end of the script, not rounded down
     is_script : bool
         whether it has events and an end
     writes : dict
@@ -84,11 +86,13 @@ class StartFile:
             self.refuse("has no <run>")
         self.aircraft = str(use.get("aircraft"))
         self.reset_file = str(use.get("initialize"))
-        self.start = self._number(run, "start", 0.0)
-        self.end = self._number(run, "end")
+        start = self._number(run, "start", 0.0)
+        end = self._number(run, "end")
         self.dt = self._number(run, "dt")
         if self.dt <= 0.0:
             self.refuse(f"has a step of {self.dt:g} s")
+        # JSBSim ends a script after 0.99 of a step more
+        self.steps = (end - start) / self.dt + 0.99
         self.writes: dict[str, str] = {}
         self._names: dict[str, str] = {}
         self._reported: dict[str, str] = {}

@@ -1,0 +1,61 @@
+"""Flights of JSBSim's scripts and reset files by the block, to compare with plain JSBSim."""
+
+import warnings
+from pathlib import Path
+
+import jsbsim
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+
+from pathsim_jsbsim_blocks import JSBSimFDM
+
+OUTPUTS = [
+    "position/h-sl-ft",
+    "velocities/vt-fps",
+    *(f"velocities/{axis}-fps" for axis in "uvw"),
+    *(f"velocities/{axis}-rad_sec" for axis in "pqr"),
+    *(f"attitude/{angle}-rad" for angle in ("phi", "theta", "psi")),
+    "position/lat-geod-deg",
+    "position/long-gc-deg",
+    "forces/fbx-total-lbs",
+    "forces/fbz-total-lbs",
+    "inertia/weight-lbs",
+    "fcs/elevator-cmd-norm",
+    "fcs/aileron-cmd-norm",
+    "fcs/rudder-cmd-norm",
+    "simulation/sim-time-sec",
+]
+
+ROOT = Path(jsbsim.get_default_root_dir())
+
+
+def bundled_scripts():
+    files = sorted(ROOT.glob("scripts/*.xml"))
+    return [p.stem for p in files if "<runscript" in p.read_text("utf-8", errors="replace")]
+
+
+def bundled_reset_files():
+    """Pairs of an aircraft and a reset file of its own."""
+    files = sorted(ROOT.glob("aircraft/*/*.xml"))
+    return [(p.parent.name, p.stem) for p in files if b"<initialize" in p.read_bytes()]
+
+
+def recorded(fdm, seconds, again=False):
+    """Rows of the block's outputs at each of its steps; ``again`` after a reset."""
+    scope = Scope()
+    wires = [Connection(fdm[i], scope[i]) for i in range(len(OUTPUTS))]
+    sim = Simulation([fdm, scope], wires, dt=fdm.T, log=False)
+    flights = []
+    for reset in (False, True)[: 1 + again]:
+        with warnings.catch_warnings():
+            # some scripts end, crash or fail to trim; tests of warnings are apart
+            warnings.simplefilter("ignore")
+            sim.run(round(seconds / fdm.T) * fdm.T, reset=reset)
+        flights.append(scope.read()[1].T.copy())
+    return flights if again else flights[0]
+
+
+def scripted(script, **parameters):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return JSBSimFDM(script=script, output_properties=OUTPUTS, **parameters)
