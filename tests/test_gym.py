@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Constant, Integrator, RandomNumberGenerator, Scope, WhiteNoise
+from pathsim.blocks import Block, Constant, Integrator, RandomNumberGenerator, Scope, WhiteNoise
 from pathsim.solvers import RKCK54
 
 gymnasium = pytest.importorskip("gymnasium")
@@ -21,7 +21,7 @@ from pathsim_jsbsim_blocks import (  # noqa: E402
 from pathsim_jsbsim_blocks.gym import make_env  # noqa: E402
 from pathsim_jsbsim_blocks.scripts.settings import SettingError  # noqa: E402
 
-TASKS = ("PitchHold", "HeadingInTurbulence", "Approach")
+TASKS = ("PitchHold-v1", "HeadingInTurbulence-v0", "Approach-v0")
 ELEVATOR = {"plane.elevator": (-0.3, 0.3)}
 PITCH = ["plane.theta", "plane.q"]
 ACTIONS = np.random.default_rng(1).uniform(-0.1, 0.1, (20, 1))
@@ -51,12 +51,12 @@ def flown(env, actions=ACTIONS, **reset):
 
 @pytest.mark.parametrize("task", TASKS)
 def test_gymnasium_finds_no_fault_with_the_tasks(task):
-    env = gymnasium.make(f"pathsim-jsbsim/{task}-v0")
+    env = gymnasium.make(f"pathsim-jsbsim/{task}")
     check_env(env.unwrapped, skip_render_check=True)
 
 
 def test_the_picture_and_the_track_of_an_episode(tmp_path):
-    env = gymnasium.make("pathsim-jsbsim/PitchHold-v0", render_mode="rgb_array").unwrapped
+    env = gymnasium.make("pathsim-jsbsim/PitchHold-v1", render_mode="rgb_array").unwrapped
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.figure()
     flown(env, seed=1)
@@ -65,7 +65,7 @@ def test_the_picture_and_the_track_of_an_episode(tmp_path):
     assert np.ptp(picture) > 100
     track = env.track()
     assert np.allclose(track.time, 0.1 * np.arange(21))
-    assert np.array_equal(track.signals["aircraft.elevator"][1:], ACTIONS[:, 0])
+    assert np.array_equal(track.signals["plane.elevator"][1:], ACTIONS[:, 0])
     assert track.h[0] == pytest.approx(5000)
 
 
@@ -267,6 +267,57 @@ def test_what_varies():
     assert (error.value.parameter, error.value.value) == ("options", "plane.sped")
 
 
+def test_parameters_of_a_block_that_fit_each_other_only_are_set_together():
+    plane = Aircraft("737", altitude=10_000, speed=340, gear=0)
+    sim = Simulation([plane], [], dt=1 / 120, log=False)
+    env = make_env(
+        sim,
+        action=ELEVATOR,
+        observation=["plane.h", "plane.vc"],
+        reward=lambda v: 0.0,
+        vary={"plane.altitude": (10_000, 37_000), "plane.speed": (250, 340)},
+    )
+    # at 37,000 ft 340 KCAS are beyond its thrust
+    for point in ((10_000, 340), (37_000, 250), (10_000, 340), (37_000, 250)):
+        options = dict(zip(("plane.altitude", "plane.speed"), point, strict=True))
+        assert env.reset(options=options)[0] == pytest.approx(point)
+    with pytest.raises(TrimError):
+        env.reset(options={"plane.altitude": 37_000, "plane.speed": 340})
+
+
+def test_a_plain_attribute_of_a_block_is_varied():
+    class Bias(Block):
+        def __init__(self, value):
+            super().__init__()
+            self.value = value
+
+        def update(self, t):
+            self.outputs[0] = self.value
+
+    plane, bias = Aircraft("c172p", altitude=5000, speed=90), Bias(0.1)
+    sim = Simulation([plane, bias], [Connection(bias, plane["aileron"])], dt=1 / 120, log=False)
+    env = make_env(
+        sim,
+        action=ELEVATOR,
+        observation=["plane.aileron"],
+        reward=lambda v: 0.0,
+        vary={"bias.value": (0.1, 0.2)},
+    )
+    assert env.reset(options={"bias.value": 0.15})[0] == 0.15
+
+
+@pytest.mark.parametrize("step", [0.1, 0.05])
+def test_the_pitch_task_flies_what_an_aircraft_sampled_at_120_hz_flies(step):
+    env = gymnasium.make("pathsim-jsbsim/PitchHold-v1", step=step).unwrapped
+    sampled = bare(step=step)
+    assert np.array_equal(flown(env, seed=1)[:, :2], flown(sampled))
+    # the command ramps from the pitch angle to the reference
+    theta, command = flown(env, 0.0 * ACTIONS, options={"hold.theta_ref": 4.0})[:, [0, 2]].T
+    assert command[0] == theta[0]
+    assert 0.0 < command[1] - command[0] < 4.0 * step
+    assert command[-1] == 4.0
+
+
 def test_a_variable_of_a_script_is_varied_by_building_it_again(tmp_path):
     script = tmp_path / "flight.py"
     script.write_text(
@@ -320,14 +371,14 @@ def test_ranges_and_normalised_values():
 
 
 def test_worker_processes_fly_what_this_one_flies():
-    envs = gymnasium.make_vec("pathsim-jsbsim/PitchHold-v0", 2, vectorization_mode="async")
+    envs = gymnasium.make_vec("pathsim-jsbsim/PitchHold-v1", 2, vectorization_mode="async")
     try:
         seen, _ = envs.reset(seed=[3, 4])
         rows = [seen] + [envs.step(np.repeat([a], 2, axis=0))[0] for a in ACTIONS[:5]]
     finally:
         envs.close()
     for i, seed in enumerate((3, 4)):
-        alone = gymnasium.make("pathsim-jsbsim/PitchHold-v0")
+        alone = gymnasium.make("pathsim-jsbsim/PitchHold-v1")
         assert np.array_equal(flown(alone, ACTIONS[:5], seed=seed), np.array(rows)[:, i])
 
 

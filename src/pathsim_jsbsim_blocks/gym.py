@@ -1,6 +1,6 @@
 """Any diagram as an environment of Gymnasium: `make_env`, and three registered tasks.
 
-Importing this module registers ``pathsim-jsbsim/PitchHold-v0``,
+Importing this module registers ``pathsim-jsbsim/PitchHold-v1``,
 ``pathsim-jsbsim/HeadingInTurbulence-v0`` and ``pathsim-jsbsim/Approach-v0``.
 """
 
@@ -37,6 +37,7 @@ from ._core.running import SteppedRun
 from ._core.wiring import contents, warn_of_wiring
 from ._seeding import draws_from_shared, random_blocks, seed_blocks
 from .catalogue import find_diagram
+from .control.holds import PitchHold
 from .errors import FlightError
 from .flight import Aircraft
 from .scripts.script import Script
@@ -253,13 +254,24 @@ class DiagramEnv(gymnasium.Env):
             self._count_steps()
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", ".*acts at the next reset", RuntimeWarning)
-                for name, value in varied.items():
-                    setattr(*self._places[name], value)
+                self._set(varied)
         pieces, self._rows = SteppedRun(self.simulation), []
         seed_blocks(self._random, drawn)
         pieces.show()
         self._pieces = pieces
         return self._observe(), {"varied": varied}
+
+    def _set(self, varied: Mapping[str, Any]) -> None:
+        """Set parameters of blocks, those of one block together: they may fit each other only."""
+        changes: dict[Any, dict[str, Any]] = {}
+        for name, value in varied.items():
+            block, parameter = self._places[name]
+            changes.setdefault(block, {})[parameter] = value
+        for block, values in changes.items():
+            if hasattr(block, "set"):
+                block.set(**values)
+            else:  # plain attributes
+                vars(block).update(values)
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Fly one step; an action beyond its range is limited to it.
@@ -487,17 +499,25 @@ def _range(name: str, bounds: Any) -> tuple[float, float]:
     return check_range(*bounds)
 
 
-# the elevator has to track the pitch angle that `PitchHold` commands
-_pitch_hold = functools.partial(
-    make_env,
-    "pitch_hold",
-    action={"aircraft.elevator": (-0.3, 0.3)},
-    observation=dict.fromkeys(("aircraft.theta", "aircraft.q", "hold.theta_cmd"), (-30, 30)),
-    reward=lambda v: -abs(v["aircraft.theta"] - v["hold.theta_cmd"]),
-    vary={"hold.theta_ref": (0.0, 4.0)},
-    wired="replace",
-    crash=-1000.0,
-)
+def _pitch_hold(step: float = 0.1, **options: Any) -> DiagramEnv:
+    """Track the pitch angle that a `PitchHold` commands, with the elevator of a Cessna 172."""
+    # nothing in it acts between two actions, so that a sample is as long as a step
+    substeps = max(round(step * 120), 1)
+    plane = Aircraft("c172p", altitude=5000.0, speed=90.0, T=step, substeps=substeps)
+    hold = PitchHold("c172p", T=step)
+    wires = [Connection(plane[port], hold[port]) for port in ("theta", "q", "elev_sat")]
+    wires.append(Connection(hold["elevator"], plane["elevator"]))
+    sim = Simulation([plane, hold], wires, dt=step, log=False)
+    angles = ("plane.theta", "plane.q", "hold.theta_cmd")
+    usual: dict[str, Any] = {
+        "action": {"plane.elevator": (-0.3, 0.3)},
+        "observation": dict.fromkeys(angles, (-30, 30)),
+        "reward": lambda v: -abs(v["plane.theta"] - v["hold.theta_cmd"]),
+        "vary": {"hold.theta_ref": (0.0, 4.0)},
+        "wired": "replace",
+        "crash": -1000.0,
+    }
+    return make_env(sim, **{**usual, **options, "step": step})
 
 
 def _heading(**options: Any) -> DiagramEnv:
@@ -544,8 +564,8 @@ _approach = functools.partial(
 
 
 for _id, _task in (
-    ("PitchHold", "_pitch_hold"),
-    ("HeadingInTurbulence", "_heading"),
-    ("Approach", "_approach"),
+    ("PitchHold-v1", "_pitch_hold"),
+    ("HeadingInTurbulence-v0", "_heading"),
+    ("Approach-v0", "_approach"),
 ):
-    gymnasium.register(f"pathsim-jsbsim/{_id}-v0", f"{__name__}:{_task}")
+    gymnasium.register(f"pathsim-jsbsim/{_id}", f"{__name__}:{_task}")
