@@ -267,11 +267,11 @@ class DiagramEnv(gymnasium.Env):
         for name, value in varied.items():
             block, parameter = self._places[name]
             changes.setdefault(block, {})[parameter] = value
-        for block, values in changes.items():
+        for block, parameters in changes.items():
             if hasattr(block, "set"):
-                block.set(**values)
+                block.set(**parameters)
             else:  # plain attributes
-                vars(block).update(values)
+                vars(block).update(parameters)
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Fly one step; an action beyond its range is limited to it.
