@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ..errors import BlocksError, DesignError, MissingExtraError, TrimError
+from ..errors import BlocksError, DesignError, TrimError
 from .arguments import (
     AIRCRAFT,
     CONDITION,
@@ -235,11 +235,8 @@ def _print_margins(model: LinearModel) -> None:
     if table(name).points[0].gains.speed:
         loops.append((AirspeedHold(name, T=model.dt), pitch))
     print(f"  margins with the gains of {name!r}")
-    try:
-        for loop in loops:
-            print(f"  {margins(model, *loop)}")
-    except MissingExtraError as error:
-        print(f"  {error}")
+    for loop in loops:
+        print(f"  {margins(model, *loop)}")
 
 
 @command(

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from .._core.checks import refuse
 from .._core.continuous import sampled_equivalent
@@ -22,7 +23,10 @@ from .model import LinearModel, find
 _INNER = {"theta_cmd": ("theta", "q"), "phi_cmd": ("phi", "p")}
 
 _SETTLED = 5.0  # s at the trim, for a hold's references to settle
-_SLOWEST, _COUNT = 1e-3, 2000  # minimum frequency of a loop in rad/s, and number
+_SLOWEST = 1e-3  # rad/s, minimum frequency of a law's loop
+_PER_DECADE = 360  # frequencies
+_RANGE = 1e3  # of frequencies beyond the modes: a crossover may be far from them
+_JUMP = 2.0  # rad between two frequencies: more is no crossing but the jump at an undamped pole
 
 _GROWTH = 0.02  # 1/s, modes that grow more slowly, such as a spiral, count as stable
 
@@ -42,9 +46,10 @@ class Margins:
         the law, the point at which its loop is broken, and the laws closed within it
     gain_margin : float
         change of gain in dB at which the loop becomes unstable, the one nearest to 0: positive for
-        an increase, negative for a decrease; infinite without a phase crossover above 0 rad/s
+        an increase, negative for a decrease; infinite without a phase crossover
     phase_crossover : float
-        frequency in rad/s at which the phase is an odd multiple of 180 deg; NaN without one
+        frequency in rad/s at which the phase is an odd multiple of 180 deg: also 0, pi / T of a
+        sampled loop, and infinity, if the gain is finite there; NaN without one
     phase_margin : float
         deg, the one nearest to 0: positive for added lag, negative for added lead, as at a
         phugoid's peak; infinite without a crossover
@@ -132,7 +137,7 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
     Raises
     ------
     MissingExtraError
-        if python-control (extra ``analysis``) is not installed
+        for a law that is not a block, without python-control (extra ``analysis``)
     ParameterError
         for a law with a measurement that the model lacks, naming the nearest, with more than one
         command, or with another sample period
@@ -151,7 +156,7 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
     7.35
     """
     if law is None:
-        return _of_response(plant)
+        return _of_loop(plant)
     model = plant.linear_model() if isinstance(plant, FlightBlock) else plant
     if not isinstance(model, LinearModel):
         why = f"plant must be an aircraft or its LinearModel, not {reprlib.repr(plant)}"
@@ -173,27 +178,29 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
         at, inner = reference, [attitude, *inner]
 
     end = math.pi / model.dt
-    omega = np.geomspace(_SLOWEST, 0.9995 * end, _COUNT)
-    if all(each.sampled for each in (outer, *inner)):
-        # the phase of a sampled loop turns at pi / T
-        omega = np.append(omega, 1.0005 * end)
+    modes = np.concatenate([np.linalg.eigvals(model.A), *(x.modes for x in (outer, *inner))])
+    omega = _frequencies(modes, _SLOWEST, end)
     name = f"{outer.name} of {model.aircraft}, broken at {at}"
     if inner:
         name += f", closed: {', '.join(each.name for each in inner)}"
-    response, _ = _loop(model, outer, inner, omega)
-    if not response.any():
+
+    def L(omega: np.ndarray) -> np.ndarray:
+        return _loop(model, outer, inner, omega)[0]
+
+    if not L(omega).any():
         why = f"{outer.name} does not respond at the trim: its command is at a limit, as with a"
         refuse("law", law, f"{why} reference far from the trim, or it measures a ground track")
-    return _margins(name, omega, response, _stable(model, outer, inner))
+    return _margins(name, omega, L, end, _stable(model, outer, inner))
 
 
 def _stable(model: LinearModel, outer: _Connected, inner: Sequence[_Connected]) -> bool:
     """Whether no mode of the closed loop grows, by Nyquist's criterion along Re s = _GROWTH."""
-    omega = np.r_[0.0, np.geomspace(_SLOWEST, math.pi / model.dt, _COUNT)] - 1j * _GROWTH
+    omega = np.r_[0.0, _frequencies(np.empty(0), _SLOWEST, math.pi / model.dt)] - 1j * _GROWTH
     L, others = _loop(model, outer, inner, omega)
     angle = np.unwrap(np.angle((1 + L) * others))
-    growth = [np.linalg.eigvals(model.A).real, *(each.growth for each in (outer, *inner))]
-    return bool((np.concatenate(growth) > _GROWTH).sum() == round((angle[-1] - angle[0]) / math.pi))
+    modes = [np.linalg.eigvals(model.A), *(each.modes for each in (outer, *inner))]
+    growing = (np.concatenate(modes).real > _GROWTH).sum()
+    return bool(growing == round((angle[-1] - angle[0]) / math.pi))
 
 
 def _loop(
@@ -228,8 +235,7 @@ class _Connected(NamedTuple):
     held: Sequence[str]  # measurements that the law requires
     references: Sequence[str]  # other outputs of the law
     response: Any  # frequency response at omega, shape (k, commands, measured)
-    growth: np.ndarray  # real parts of its poles, 1/s
-    sampled: bool = True
+    modes: np.ndarray  # its poles s, 1/s
 
     def parted(self, rest: Sequence[str]) -> tuple[_Connected, _Connected]:
         """The law without the feedback of ``rest``, and that feedback as a law."""
@@ -243,7 +249,7 @@ class _Connected(NamedTuple):
             self._replace(
                 name=" and ".join(rest),
                 measured=rest,
-                growth=self.growth[:0],
+                modes=self.modes[:0],
                 response=lambda omega: self.response(omega)[:, :, others],
             ),
         )
@@ -269,17 +275,14 @@ def _connected(parameter: str, law: Any, model: LinearModel) -> _Connected:
         at = 1j * omega
         return np.moveaxis(law(np.exp(at * model.dt) if sampled else at, squeeze=False), -1, 0)
 
-    static = isinstance(law, control.StateSpace) and not law.nstates
-    growth = _growth(law.poles(), model.dt if sampled else None)
-    return _Connected(law.name, measured, commands, (), (), response, growth, sampled or static)
+    modes = _modes(law.poles(), model.dt if sampled else None)
+    return _Connected(law.name, measured, commands, (), (), response, modes)
 
 
-def _growth(poles: np.ndarray, T: float | None) -> np.ndarray:
-    """Real parts of poles s in 1/s; with a period T of poles z = exp(s T)."""
-    if not T:
-        return poles.real
+def _modes(poles: np.ndarray, T: float | None) -> np.ndarray:
+    """Poles s in 1/s; with a period T those of poles z = exp(s T)."""
     with np.errstate(divide="ignore"):
-        return np.log(np.abs(poles)) / T
+        return np.log(np.abs(poles)) / T + 1j * np.angle(poles) / T if T else poles
 
 
 def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
@@ -307,9 +310,9 @@ def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
         return C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D
 
     references = [x for x in outputs if x not in commands]
-    growth = _growth(np.linalg.eigvals(A), model.dt)
+    modes = _modes(np.linalg.eigvals(A), model.dt)
     name = type(law).__name__
-    return _Connected(name, measured, commands, law.measured, references, response, growth)
+    return _Connected(name, measured, commands, law.measured, references, response, modes)
 
 
 def _same_period(parameter: str, law: Any, T: float, model: LinearModel) -> None:
@@ -318,31 +321,68 @@ def _same_period(parameter: str, law: Any, T: float, model: LinearModel) -> None
         refuse(parameter, law, f"{why}: give both the same period")
 
 
-def _of_response(loop: Any) -> Margins:
-    """Margins of a loop of python-control."""
+def _of_loop(loop: Any) -> Margins:
+    """Margins of a loop of python-control: of a system at its own modes, not at a grid alone."""
     control = required("control", "analysis", name="python-control")
-    stable = None
-    if isinstance(loop, (control.StateSpace, control.TransferFunction)) and loop.issiso():
-        growth = _growth(control.feedback(loop).poles(), loop.dt)
-        stable = bool((growth <= _GROWTH).all())
-        low, high = control.frequency_response(loop).omega[[0, -1]]
-        # this range covers the poles and zeros, but a crossover may be far from them
-        high *= 1.0 if loop.isdtime(strict=True) else 1e3
-        loop = control.frequency_response(loop, np.geomspace(low / 1e3, high, 2 * _COUNT))
-    if not isinstance(loop, control.FrequencyResponseData) or not loop.issiso():
+    system = isinstance(loop, (control.StateSpace, control.TransferFunction))
+    if not (system or isinstance(loop, control.FrequencyResponseData)) or not loop.issiso():
         why = "without a law, plant must be a python-control loop with one input and one output"
         refuse("plant", loop, f"{why}, not {reprlib.repr(loop)}")
-    order = np.argsort(loop.omega)
-    return _margins(loop.name, np.asarray(loop.omega)[order], loop.frdata[0, 0, order], stable)
+    if not system:
+        order = np.argsort(loop.omega)
+        omega, measured = np.asarray(loop.omega)[order], loop.frdata[0, 0, order]
+        between = control.FrequencyResponseData(measured, omega, smooth=True)
+        return _margins(loop.name, omega, lambda omega: between(1j * omega), None, None)
+    T = loop.dt if loop.isdtime(strict=True) else None
+    closed = _modes(control.feedback(loop).poles(), T)
+    modes = np.concatenate([closed, _modes(loop.poles(), T), _modes(loop.zeros(), T)])
+    rates = np.abs(modes[np.isfinite(modes) & (modes != 0)])
+    high = math.pi / T if T else _RANGE * rates.max(initial=1.0)
+    omega = _frequencies(modes, min(rates.min(initial=1.0), high) / _RANGE, high)
+
+    def L(omega: np.ndarray) -> np.ndarray:
+        return loop(np.exp(1j * omega * T) if T else 1j * omega, warn_infinite=False)
+
+    stable = bool((closed.real <= _GROWTH).all())
+    return _margins(loop.name, omega, L, high if T else math.inf, stable)
 
 
-def _margins(name: str, omega: np.ndarray, response: np.ndarray, stable: bool | None) -> Margins:
-    control = required("control", "analysis", name="python-control")
-    loop = control.FrequencyResponseData(response, omega, smooth=True)
-    gains, phases, _, at_phase, at_gain, _ = control.stability_margins(loop, returnall=True)
+def _frequencies(modes: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Frequencies from ``low`` to ``high``, close together at modes of little damping."""
+    count = math.ceil(_PER_DECADE * math.log10(high / low))
+    modes = modes[np.abs(modes.real) < 0.05 * modes.imag]
+    # the phase turns within the damping of a mode
+    width = np.maximum(np.abs(modes.real), 1e-9 * modes.imag)
+    near = modes.imag[:, None] + width[:, None] * np.sinh(np.linspace(-12, 12, 241))
+    near = near[(near > low) & (near < high)]
+    return np.unique([*np.geomspace(low, high * (1 - 1e-9), count), *near])  # a pole may be at pi/T
+
+
+@np.errstate(divide="ignore", invalid="ignore")  # L is 0 at a zero, S infinite at an undamped mode
+def _margins(
+    name: str,
+    omega: np.ndarray,
+    L: Callable[[np.ndarray], np.ndarray],
+    end: float | None,  # rad/s: pi / T, or infinite; None if L is known at omega only
+    stable: bool | None,
+) -> Margins:
+    """Margins of a response, each at its own frequency."""
+    response = L(omega)
+    at_phase = _crossings(L, omega, response, lambda L: np.angle(-L))
+    gains = -1 / L(at_phase).real
+    if end is not None:
+        far = omega[-1] * 1e3 if math.isinf(end) else end * (1 - 2e-9)
+        for at, near in ((0.0, omega[0] * 1e-3), (end, far)):
+            value, limit = L(np.array([near, (near + at) / 2 if at < math.inf else 2 * near]))
+            # real and finite at 0, pi / T or infinity: the gain at which a pole is there
+            if limit.real < 0 and abs(limit - value) < 1e-2 * abs(limit) > 1e2 * abs(limit.imag):
+                at_phase, gains = np.append(at_phase, at), np.append(gains, -1 / limit.real)
     gains = 20 * np.log10(gains)
-    gain, phase = (np.argmin(np.abs(x)) if len(x) else None for x in (gains, phases))
+    at_gain = _crossings(L, omega, response, lambda L: np.log(np.abs(L)))
+    angles = np.degrees(np.angle(L(at_gain)))
+    phases = np.mod(angles, 360.0) - 180.0
     later = np.radians(np.mod(phases, 360.0)) / at_gain
+    gain, phase = (np.argmin(np.abs(x)) if len(x) else None for x in (gains, phases))
     S = 1 / (1 + response)
     return Margins(
         name,
@@ -351,12 +391,29 @@ def _margins(name: str, omega: np.ndarray, response: np.ndarray, stable: bool | 
         math.inf if phase is None else float(phases[phase]),
         math.nan if phase is None else float(at_gain[phase]),
         float(later.min(initial=math.inf)),
-        # python-control's disk_margins does not accept a frequency response
         float(1 / np.abs(S - 0.5).max()),
         float(np.abs(S).max()),
         omega,
         response,
         stable,
+    )
+
+
+def _crossings(
+    L: Callable[[np.ndarray], np.ndarray],
+    omega: np.ndarray,
+    response: np.ndarray,
+    measure: Callable[[np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Frequencies at which a measure of L is 0, each between two of ``omega``."""
+    values = measure(response)
+    # the phase jumps at an undamped pole, and where it passes 180 deg
+    between = (np.diff(np.sign(values)) != 0) & (np.abs(np.diff(values)) < _JUMP)
+    return np.array(
+        [
+            brentq(lambda w: measure(L(np.array([w])))[0], *omega[i : i + 2], xtol=1e-12 * omega[i])
+            for i in np.flatnonzero(between)
+        ]
     )
 
 
