@@ -573,7 +573,7 @@ def diagram_pictures():
 
 
 def other_pictures():
-    for name in ("landing", "studies", "tutorial"):
+    for name in ("landing", "linear-models", "studies", "tutorial"):
         page_picture(name)
     study_pictures()
 

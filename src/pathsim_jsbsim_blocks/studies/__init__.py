@@ -9,11 +9,9 @@ from .figures import (
     alpha_elevator_chart,
     climb_chart,
     envelope_map,
-    modes_chart,
     performance_chart,
     thrust_chart,
 )
-from .modes import modes_over_speed
 from .performance import performance_table
 from .published import (
     STUDIES,
@@ -39,8 +37,6 @@ __all__ = [
     "climb_chart",
     "climb_schedule",
     "envelope_map",
-    "modes_chart",
-    "modes_over_speed",
     "performance_chart",
     "performance_table",
     "run_batch",

@@ -11,7 +11,6 @@ import numpy as np
 
 from .._core.checks import did_you_mean, name_list, nearest, one_of, refuse
 from ..plots import subplots
-from .modes import MODES, POLES, column
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -258,54 +257,6 @@ def climb_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str
     first = table.iloc[0]
     climb = f"{first.requested_speed_kcas:g} KCAS, {first.requested_gamma_deg:g} deg"
     return figure, f"steady climb at {climb}"
-
-
-@_chart("modes_over_speed", f"aircraft requested_speed_kcas {' '.join(POLES)}")
-def modes_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str]:
-    """Frequency and damping ratio of the oscillations, and the real poles, against airspeed.
-
-    One column of panels for each aircraft.
-
-    Parameters
-    ----------
-    table : DataFrame
-        of modes_over_speed
-    title : str
-        headline
-
-    Raises
-    ------
-    ParameterError
-        if the table lacks a column, or no point of it trims
-    """
-    flown = list(trimmed.groupby("aircraft", sort=False))
-    figure, axes = subplots(
-        3, len(flown), squeeze=False, sharex="col", figsize=(max(4.2 * len(flown), 6), 9),
-        layout="constrained",
-    )  # fmt: skip
-    for (name, rows), (frequency, damping, real) in zip(flown, axes.T, strict=True):
-        speed = rows.requested_speed_kcas.to_numpy()
-        for i, mode in enumerate(MODES):
-            pole = (rows[f"{column(mode)}_real"] + 1j * rows[f"{column(mode)}_imag"]).to_numpy()
-            swings = pole.imag > 0.0
-            style = {"marker": "o", "markersize": 3, "color": f"C{i}", "label": mode}
-            if swings.any():
-                size = np.where(swings, np.abs(pole), np.nan)
-                frequency.semilogy(speed, size, **style)
-                damping.plot(speed, -pole.real / size, **style)
-            if (~swings & np.isfinite(pole)).any():
-                real.plot(speed, np.where(swings, np.nan, pole.real), **style)
-        # roll and spiral are orders of magnitude apart, and a spiral may be on either side of 0
-        real.set_yscale("symlog", linthresh=0.01)
-        frequency.set(title=name, ylabel="natural frequency [rad/s]")
-        damping.set_ylabel("damping ratio [-]")
-        real.set(xlabel="calibrated airspeed [kt]", ylabel="real poles [1/s]")
-        for ax in (frequency, damping, real):
-            ax.grid(alpha=0.4)
-            if ax.lines:
-                ax.legend(fontsize="small")
-    altitude = table.requested_altitude_ft.iloc[0]
-    return figure, f"modes in level flight at {altitude:.0f} ft"
 
 
 def performance_chart(table: pd.DataFrame, title: str = "", charts: Sequence[str] = ()) -> Figure:

@@ -16,7 +16,6 @@ import numpy as np
 from ..flight.airframe import Airframe
 from ..flight.model_files import empty_weight_cg
 from . import figures
-from .modes import modes_over_speed
 from .sweep import trim_sweep
 
 if TYPE_CHECKING:
@@ -265,7 +264,6 @@ STUDIES = {
     "aoa_vs_cas": Study(aoa_vs_cas, figures.alpha_elevator_chart),
     "aoa_vs_cas_loading": Study(aoa_vs_cas_loading, figures.alpha_elevator_chart),
     "climb_schedule": Study(climb_schedule, figures.climb_chart),
-    "modes_over_speed": Study(modes_over_speed, figures.modes_chart),
     "thrust_vectoring": Study(thrust_vectoring, figures.thrust_chart),
     "trim_envelope": Study(trim_envelope, figures.envelope_map),
 }
