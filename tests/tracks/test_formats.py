@@ -17,7 +17,6 @@ import pymap3d
 import pytest
 from lxml import etree
 from plotly.offline import get_plotlyjs
-from scipy.spatial.transform import Rotation
 
 from pathsim_jsbsim_blocks.errors import MissingExtraError, ParameterError
 from pathsim_jsbsim_blocks.tracks import Track, save_tracks
@@ -215,36 +214,6 @@ def test_points_are_even_over_hours_of_summed_steps():
     assert np.diff(points[:-1]) == pytest.approx(0.2, abs=1e-6)
 
 
-def test_cesium_turns_the_aircraft_as_it_flies(tmp_path):
-    track = climbing_turn()
-    save_tracks(tmp_path / "flight.czml", [track, climbing_turn("two", n=3)], START)
-    document, one, _ = json.loads((tmp_path / "flight.czml").read_text(encoding="utf-8"))
-    assert document["version"] == "1.0"
-    assert (
-        document["clock"]["interval"] == "2025-06-01T09:30:00.000000Z/2025-06-01T09:30:30.000000Z"
-    )
-    place = np.reshape(one["position"]["cartographicDegrees"], (-1, 4))
-    assert np.array_equal(place[:, 0], track.time)
-    assert np.array_equal(place[:, 1:3], np.column_stack([track.lon, track.lat]))
-    assert place[:, 3] == pytest.approx(track.h * 0.3048)
-    turn = np.reshape(one["orientation"]["unitQuaternion"], (-1, 5))[:, 1:]
-    # no jump where the heading goes through north
-    assert np.abs(np.diff(turn, axis=0)).max() < 0.02
-    to_earth = Rotation.from_quat(turn)
-    here = np.column_stack(pymap3d.geodetic2ecef(track.lat, track.lon, place[:, 3]))
-
-    def towards(azimuth, elevation):
-        there = pymap3d.aer2ecef(azimuth, elevation, 1.0, track.lat, track.lon, place[:, 3])
-        return np.column_stack(there) - here
-
-    # rounding of coordinates of the size of the earth, 6e6 m
-    assert to_earth.apply([1, 0, 0]) == pytest.approx(towards(track.psi, track.theta), abs=1e-8)
-    # the left wing of a coordinate frame pitched by theta and rolled by phi is up by asin(cos sin)
-    up = np.degrees(np.arcsin(np.cos(np.radians(4.0)) * np.sin(np.radians(20.0))))
-    left = to_earth.apply([0, 1, 0])
-    assert np.sum(left * towards(0.0, 90.0), axis=1) == pytest.approx(np.sin(np.radians(up)))
-
-
 def test_a_report_is_one_page_and_text_of_the_user_is_text_in_it(tmp_path):
     save_tracks(tmp_path / "flight.html", [climbing_turn("</script><b>&")])
     page = (tmp_path / "flight.html").read_text(encoding="utf-8").replace(get_plotlyjs(), "")
@@ -315,7 +284,7 @@ ONE = [climbing_turn(n=3)]
     [
         ("flight.kmz", ONE, None, "flight.kml'?"),
         ("flight.acm", ONE, None, "flight.acmi'?"),
-        ("flight", ONE, None, "must end in .csv or .parquet or .acmi or .kml or .czml or .html"),
+        ("flight", ONE, None, "must end in .csv or .parquet or .acmi or .kml or .html"),
         ("flight.csv", [], None, "one or more with different names"),
         ("flight.csv", ONE * 2, None, "one or more with different names"),
         ("flight.csv", None, None, "must be one Track or a list of them, not None"),
@@ -330,9 +299,7 @@ def test_what_cannot_be_saved_is_refused(name, tracks, start, text, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    ("package", "ending"), [("pandas", "csv"), ("czml3", "czml"), ("plotly", "html")]
-)
+@pytest.mark.parametrize(("package", "ending"), [("pandas", "csv"), ("plotly", "html")])
 def test_a_missing_package_names_its_extra(package, ending, tmp_path, monkeypatch):
     for module in [m for m in sys.modules if m.partition(".")[0] == package]:
         monkeypatch.delitem(sys.modules, module)

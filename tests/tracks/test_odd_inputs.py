@@ -113,21 +113,6 @@ def read_kml(path, tracks, start):
         assert value in ("NaN", "INF", "-INF") or np.isfinite(float(value))
 
 
-def read_czml(path, tracks, start):
-    def refuse(constant):
-        raise AssertionError(constant)
-
-    text = path.read_text(encoding="utf-8")
-    _, *packets = json.loads(text, parse_constant=refuse)
-    for packet, one in zip(packets, tracks, strict=True):
-        assert packet["label"]["text"] == one.name
-        assert "<" not in packet["description"].replace("<br>", "")
-        if start is not None:
-            date = f"{start.replace(tzinfo=None).isoformat(timespec='microseconds')}Z"
-            assert date == packet["position"]["epoch"] == packet["orientation"]["epoch"]
-            assert packet["availability"].startswith(f"{date}/")
-
-
 def read_html(path, tracks, start):
     page = etree.HTML(path.read_text(encoding="utf-8"))
     head = "".join(page.xpath("//dl")[0].itertext())
@@ -143,7 +128,6 @@ READERS = {
     "parquet": read_parquet,
     "acmi": read_acmi,
     "kml": read_kml,
-    "czml": read_czml,
     "html": read_html,
 }
 

@@ -1,7 +1,5 @@
 """`FlightRecorder` against a scope at the same wires."""
 
-import json
-
 import numpy as np
 import pandas
 import pytest
@@ -74,8 +72,8 @@ def test_it_saves_by_the_ending(tmp_path):
     recorder.save(tmp_path / "flight.csv")
     table = pandas.read_csv(tmp_path / "flight.csv", index_col=0)
     pandas.testing.assert_frame_equal(table, recorder.to_frame())
-    recorder.save(str(tmp_path / "flight.czml"))
-    assert json.loads((tmp_path / "flight.czml").read_text())[1]["name"] == "the one (c172p)"
+    recorder.save(str(tmp_path / "flight.acmi"))
+    assert "CallSign=the one (c172p)" in (tmp_path / "flight.acmi").read_text(encoding="utf-8")
 
 
 def test_a_scope_as_a_table():

@@ -60,7 +60,7 @@ def list_(args: argparse.Namespace) -> None:
     repeatable(
         "--track",
         "write the flights of all aircraft: .html (a report), .kml (Google Earth), .acmi "
-        "(Tacview), .czml (Cesium), .csv or .parquet",
+        "(Tacview), .csv or .parquet",
         "FILE",
         type=Path,
     ),

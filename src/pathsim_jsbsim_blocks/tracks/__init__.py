@@ -1,4 +1,4 @@
-"""Record flights; write them as tables, for Google Earth, Tacview and Cesium, or as a report."""
+"""Record flights; write them as tables, for Google Earth and Tacview, or as a report."""
 
 from .files import save_tracks
 from .recorder import FlightRecorder

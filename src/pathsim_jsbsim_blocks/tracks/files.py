@@ -18,7 +18,6 @@ from .._core.checks import ending, must_be, refuse, writable
 from .._core.extras import required
 from .._core.files import replacing
 from .acmi import write_acmi
-from .czml import write_czml
 from .kml import write_kml
 from .report import write_report
 from .track import Track
@@ -49,7 +48,6 @@ _FORMATS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
     ".parquet": (_write_parquet, ("pandas", "pyarrow")),
     ".acmi": (write_acmi, ()),
     ".kml": (write_kml, ()),
-    ".czml": (write_czml, ("czml3",)),
     ".html": (write_report, ("plotly",)),
 }
 
@@ -75,9 +73,9 @@ def save_tracks(
     Parameters
     ----------
     path : str or Path
-        ``.csv`` or ``.parquet`` (a table), ``.acmi`` (Tacview), ``.kml`` (Google Earth), ``.czml``
-        (Cesium) or ``.html`` (a report that opens in any browser, without a network). A ``.kml``
-        of tracks of all steps of a simulation has 5 points per second, fewer above 5 MB
+        ``.csv`` or ``.parquet`` (a table), ``.acmi`` (Tacview), ``.kml`` (Google Earth) or
+        ``.html`` (a report that opens in any browser, without a network). A ``.kml`` of tracks of
+        all steps of a simulation has 5 points per second, fewer above 5 MB
     tracks : Track or list of Track
         the aircraft
     start : datetime, optional

@@ -39,8 +39,8 @@ class FlightRecorder(Parametric, Scope):
     """Records an aircraft's track and time history, and writes them for other programs.
 
     It is a scope, so functions that plot and save scopes accept it. `to_frame` gives its recording
-    as a pandas table, `to_track` as columns, and `save` writes a table, a file for Tacview, Google
-    Earth or Cesium, or a report to open in a browser.
+    as a pandas table, `to_track` as columns, and `save` writes a table, a file for Tacview or
+    Google Earth, or a report to open in a browser.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ class FlightRecorder(Parametric, Scope):
         Parameters
         ----------
         path : str or Path
-            ``.csv``, ``.parquet``, ``.acmi``, ``.kml``, ``.czml`` or ``.html``
+            ``.csv``, ``.parquet``, ``.acmi``, ``.kml`` or ``.html``
         start : datetime, optional
             date and time of t = 0; default is 2024-03-20 12:00 UTC
         """
