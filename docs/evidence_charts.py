@@ -1,9 +1,11 @@
 """Draw the charts of the evidence pages from the tables (CSV) beside them.
 
 python docs/evidence_charts.py
+python docs/evidence_charts.py NAME ...    some of them
 """
 
 import re
+import sys
 import tempfile
 from pathlib import Path
 
@@ -99,16 +101,48 @@ def performance():
     return figure
 
 
-CHARTS = {"designed_gains": steps, "fleet_modes": modes, "fleet_performance": performance}
+def accuracy():
+    """Each quantity of NASA's check cases: the larger of its two distances over their limits."""
+    table = pd.read_csv(EVIDENCE / "accuracy.csv", dtype={"case": str})
+    cases = list(dict.fromkeys(table["case"]))
+    kinds = {"altitude": "altitude", "latitude": "position", "longitude": "position"}
+    kinds |= {"true airspeed": "airspeed", "heading": "attitude"}
+    kinds |= dict.fromkeys(("roll angle", "pitch angle"), "attitude")
+    kind = table["quantity"].map(kinds).fillna("rates and velocities")
+    figure, ax = plt.subplots(figsize=(9, 4.4), layout="constrained")
+    marks = dict(zip(("altitude", "position", "airspeed", "attitude"), "osD^", strict=True))
+    for name, mark in {**marks, "rates and velocities": "x"}.items():
+        part = table[kind == name]
+        # rounding is drawn at the foot of the axis
+        ax.semilogy([cases.index(c) for c in part["case"]], part["ratio"].clip(lower=1e-6), mark,
+                    label=name, alpha=0.8, markersize=6)  # fmt: skip
+    ax.axhline(1.0, color="tab:red", linewidth=1.5)
+    ax.annotate("limit", (len(cases) - 0.6, 1.15), color="tab:red", ha="right")
+    ax.set_xticks(range(len(cases)), cases)
+    ax.set(xlabel="check case", ylabel="distance / limit", ylim=(5e-7, 4.0))
+    ax.grid(alpha=0.3)
+    figure.legend(loc="outside lower center", ncols=5)
+    figure.suptitle(
+        "NASA's check cases: each quantity's distance from the simulators, over its limit"
+    )
+    return figure
+
+
+CHARTS = {
+    "accuracy": accuracy,
+    "designed_gains": steps,
+    "fleet_modes": modes,
+    "fleet_performance": performance,
+}
 
 
 def main():
     from generate import shrink
 
     with tempfile.TemporaryDirectory() as folder:
-        for name, draw in CHARTS.items():
+        for name in sys.argv[1:] or CHARTS:
             file = Path(folder, f"{name}.png")
-            draw().savefig(file, dpi=150)
+            CHARTS[name]().savefig(file, dpi=150)
             shrink(file, DOCS / "pictures" / f"evidence_{name}.png", width=1350)
             plt.close("all")
 

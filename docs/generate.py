@@ -282,6 +282,17 @@ def cases_table(found):
     return "\n".join(rows)
 
 
+def ratios_table(found):
+    """Distances and limits of each quantity of each case, and the larger ratio of the two."""
+    numbers = ("worst", "band", "from_05", "limit_05", "ratio")
+    lines = [f"| case | quantity | unit | {' | '.join(numbers)} |", "|---" * 8 + "|"]
+    for case, deviations in found.items():
+        for d in deviations.values():
+            values = ("" if (x := getattr(d, n)) is None else f"{x:.3g}" for n in numbers)
+            lines.append(f"| {case:g} | {d.quantity} | {d.unit} | {' | '.join(values)} |")
+    return "\n".join(lines)
+
+
 def default_table():
     """The cases that do not pass with JSBSim's own integrators."""
     found = check_cases(integrators="default").items()
@@ -357,6 +368,7 @@ def put(page, name, text):
 def accuracy():
     """The tables of the check cases and of the integrators."""
     precise, f16 = check_cases(), check_cases(F16)
+    write_table("accuracy", ratios_table({**precise, **f16}))
     page = EVIDENCE / "accuracy.md"
     put(page, "check cases", cases_table(precise))
     put(page, "F-16", cases_table(f16))

@@ -414,7 +414,10 @@ def test_a_holding_pattern_has_its_shape_at_any_latitude(lat):
 def test_a_holding_pattern_is_flown_again_and_again(side):
     fix, radius, length = (0.01, 0.0), 2600.0, 3000.0
     hold = CourseHold("c172p", waypoints=[fix], holding=(0.0, side, radius, length))
-    flight = level(360.0, hold, wind=(10.0, 20.0))
+    with pytest.warns(RuntimeWarning, match="widened from 2600 to 29.. ft"):
+        flight = level(360.0, hold, wind=(10.0, 20.0))
+    # 0.8 of 25 deg of bank at the airspeed plus the wind, from one fix to the next
+    radius = (163.5 + math.hypot(10.0, 20.0)) ** 2 / (32.174 * math.tan(math.radians(20.0)))
     legs = flight["leg"][np.flatnonzero(np.diff(flight["leg"])) + 1]
     assert list(legs[:6]) == [1.0, 2.0, 3.0, 4.0, 1.0, 2.0]
     # the racetrack: two straight lines and two half circles, by geodesics
@@ -426,3 +429,34 @@ def test_a_holding_pattern_is_flown_again_and_again(side):
     pattern = flight["leg"] > 0.0
     assert np.max(np.abs(off[pattern])) < 150.0
     assert np.median(np.abs(off[pattern])) < 30.0
+
+
+@pytest.mark.long
+def test_a_holding_pattern_in_the_worst_of_eight_winds():
+    # docs/navigation.md: its pattern in a wind to the north-east
+    wind = 13.0 * 1.68781 * math.sqrt(0.5)
+    hold = CourseHold("c172p", waypoints=[(0.03, 0.0)], holding=(90.0, "right", 2600.0, 9000.0))
+    with pytest.warns(RuntimeWarning, match="widened") as caught:
+        flight = level(560.0, hold, wind=(wind, wind))
+    assert len(caught) == 1
+    lap = flight["time"] > 300.0
+    assert {*flight["leg"][lap]} == {1.0, 2.0, 3.0, 4.0}
+    assert abs(flight["across"][lap]).max() < 120.0
+    assert abs(flight["phi"][lap]).max() < 25.0
+
+
+def test_a_pattern_is_widened_only_with_the_airspeed_and_once():
+    def laps(vt, bank_max=25.0):
+        pattern = {"waypoints": [(0.0, 0.0)], "holding": (90.0, "right", 2600.0, 3000.0)}
+        hold = CourseHold(gains="c172p", bank_max=bank_max, T=1.0, **pattern)
+        rows = [{"lon": (k - 5) * 190.0 / 365_221, "psi": 90.0, "vt": vt} for k in range(12)]
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            list(samples(hold, rows))
+        return [str(w.message) for w in caught if "widened" in str(w.message)]
+
+    # 190 ft/s over the ground at 163.5 ft/s through the air
+    (message,) = laps(163.5)
+    radius = 190.0**2 / (32.174 * math.tan(math.radians(20.0)))
+    assert f"to {radius:.0f} ft: at 113 kt over the ground" in message
+    assert laps(0.0) == laps(163.5, bank_max=35.0) == []

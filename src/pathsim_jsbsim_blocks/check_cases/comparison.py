@@ -98,16 +98,17 @@ class Deviation:
         the quantity, and the unit of all numbers
     worst : float
         maximum distance from the median of the simulators, up to ``until``
-    band : float
+    band : float or None
         maximum distance of the simulators from their median: all three in the F-16's cases, all
-        but the worst in the others
+        but the worst in the others; None for the F-16's airspeed, which only two simulators give,
+        and they differ
     from_05 : float or None
         maximum distance from simulator 05, None if that lacks the quantity
     limit_05 : float or None
         limit of ``from_05``
-    passes : bool
-        whether the flight is within the band and the limit; the F-16's airspeed need not be in
-        the band, because only two simulators give it, and they differ
+    ratio : float
+        the larger of the two distances over their limits: ``worst`` over ``band`` (with the digits
+        of the reference), ``from_05`` over ``limit_05``
     until : float
         end of the comparison, s
     """
@@ -115,11 +116,16 @@ class Deviation:
     quantity: str
     unit: str
     worst: float
-    band: float
+    band: float | None
     from_05: float | None
     limit_05: float | None
-    passes: bool
+    ratio: float
     until: float = math.inf
+
+    @property
+    def passes(self) -> bool:
+        """Whether the flight is within the band and the limit."""
+        return self.ratio <= 1.0
 
 
 def fly_case(case: float, rate: int | None = None, integrators: Any = "precise") -> list[Scope]:
@@ -175,7 +181,8 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
     list of Deviation
         one for each ``quantity``, with its ``unit``: ``worst``, the maximum distance from the
         median of the simulators, and their ``band``; ``from_05`` and ``limit_05``, the distance
-        from simulator 05 and its limit, or None; ``passes``; ``until``, the end of the comparison
+        from simulator 05 and its limit, or None; ``ratio`` and ``passes``; ``until``, the end of
+        the comparison
 
     Raises
     ------
@@ -189,15 +196,16 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
     for name, quantity in _quantities(case).items():
         median = reference[quantity.column]
         worst = abs(_distance(case, name, scopes, flown)).max()
-        band = _band(case, quantity, reference).max()
-        passes = worst <= band * (1 + _ROUNDING_OF_SPREADS) + _ROUNDING * max(1, abs(median).max())
-        passes = passes or not quantity.banded
-        from_05 = None
+        ratio, band, from_05 = 0.0, None, None
+        if quantity.banded:
+            band = float(_band(case, quantity, reference).max())
+            digits = _ROUNDING * max(1, abs(median).max())
+            ratio = worst / (band * (1 + _ROUNDING_OF_SPREADS) + digits)
         if quantity.limit is not None:
             from_05 = float(abs(_distance(case, name, scopes, flown_single)).max())
-            passes = passes and from_05 <= quantity.limit
-        numbers = float(worst), float(band), from_05, quantity.limit
-        deviations.append(Deviation(name, quantity.unit, *numbers, bool(passes), until))
+            ratio = np.maximum(ratio, from_05 / quantity.limit)  # NaN stays NaN
+        numbers = float(worst), band, from_05, quantity.limit, float(ratio)
+        deviations.append(Deviation(name, quantity.unit, *numbers, until))
     return deviations
 
 
@@ -248,7 +256,10 @@ def comparison_table(case: float, deviations: Sequence[Deviation]) -> str:
 
 
 def comparison_figure(case: float, *scopes: Scope) -> Figure:
-    """A flight in the band of NASA's simulators: distances from their median over time.
+    """A flight in the limits of `compare`: distances from the simulators' median over time.
+
+    The grey band is what `compare` allows: the maximum spread of the whole run, or for the F-16's
+    airspeed its limit around simulator 05.
 
     Parameters
     ----------
@@ -272,16 +283,13 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
         rounding = _ROUNDING * max(1, abs(reference[quantity.column]).max())
         if _band(case, quantity, reference).max() > rounding:
             panels[name] = quantity
-    of_band = "NASA's " + (
-        "three simulators" if case in _F16 else "simulators without the farthest"
-    )
     rows = math.ceil(len(panels) / 2)
     figure, axes = subplots(
         rows, 2, sharex=True, squeeze=False, layout="constrained", figsize=(8, 1 + 1.7 * rows)
     )
     for ax, (name, quantity) in zip(axes.flat, panels.items(), strict=False):
-        band = _band(case, quantity, reference)
-        ax.fill_between(time, -band, band, color="tab:gray", alpha=0.3, label=of_band)
+        limits = np.full(len(time), _band(case, quantity, reference).max())
+        centre = np.zeros(len(time))
         ax.plot(flown["time_s"], _distance(case, name, scopes, flown), label="this diagram")
         if quantity.limit is not None:
             at = np.searchsorted(time, single["time_s"])
@@ -289,8 +297,11 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
             # both angles may wrap around, their difference must not
             apart = _on_circle(quantity, apart) * _scale(case, quantity, single)
             ax.plot(single["time_s"], apart, "k:", label="simulator 05")
-        for edge in (-band.max(), band.max()):
-            ax.axhline(edge, color="tab:gray", linestyle="--", linewidth=0.8)
+            if not quantity.banded:  # compared with simulator 05 only
+                limits[:] = quantity.limit
+                centre = np.interp(time, single["time_s"], apart)
+        low, high = centre - limits, centre + limits
+        ax.fill_between(time, low, high, color="tab:gray", alpha=0.3, label="limits")
         ax.set_ylabel(f"{name}\n[{quantity.unit}]")
         ax.grid(alpha=0.4)
     *_, last, spare = axes.flat

@@ -39,6 +39,8 @@ SMOOTHING = 2.0  # time constant of drift angle and ground speed, s
 # crossover of the heading loop over that of the cross-track loop; 4 would be critically damped
 SEPARATION = 3.5
 _SHARPEST = 120.0  # deg, limits the lead of a turn, which grows without bound towards 180 deg
+# part of the maximum bank that a holding pattern may require; the rest corrects its errors
+_HOLDING_BANK = 0.8
 
 
 class _Ground(NamedTuple):
@@ -73,6 +75,7 @@ class CourseState(NamedTuple):
     initial: float | None = None  # course at engagement, deg
     leg: int | None = None
     direct: GreatCircle | None = None  # leg 0, from the position at engagement
+    radius: float = 0.0  # of a holding pattern widened in the wind, ft
     lateral: LateralState = LateralState()
 
 
@@ -127,7 +130,8 @@ class CourseHold(Hold):
     holding : (float, str, float, float), optional
         holding pattern at the last waypoint, not around a pole: inbound course in deg, "left" or
         "right" turns, their radius (limited as in ``arcs``) and the length of the straight legs in
-        ft
+        ft. With ``vt`` connected, a radius that requires more than 0.8 of ``bank_max`` with the
+        wind from behind is widened at the waypoint; the block warns once
 
     Inputs
     ------
@@ -140,7 +144,8 @@ class CourseHold(Hold):
     %(ail_off)s
     %(vc)s
     vt
-        true airspeed in ft/s; if not connected (0), turns begin as in still air
+        true airspeed in ft/s; if not connected (0), turns begin as in still air, and a holding
+        pattern is not widened
 
     Outputs
     -------
@@ -189,16 +194,18 @@ class CourseHold(Hold):
             )
         self.heading, self.roll = self.lateral_loops()
         self._refuse_tight_arcs()
+        self._widened: dict[float, _Route] = {}
         self._gain = -math.expm1(-T / SMOOTHING)
         self._centripetal = GRAVITY * math.tan(math.radians(c.bank_max))
 
     START = CourseState()
-    _warned_of_bank = False
+    _warned_of_bank = _warned_of_radius = False
 
     def law(self, u: list[float], state: CourseState) -> tuple[list[float], CourseState]:
         lat, lon, psi, phi, p, chi_ref, off, ail_sat, vc, vt = u[:10]
-        ground, initial, leg, direct, lateral = state
-        leg = self._route.start if leg is None else leg
+        ground, initial, leg, direct, radius, lateral = state
+        route = self._route_of(radius)
+        leg = route.start if leg is None else leg
         position = place(lat, lon)
         ground = ground.next(position, psi, self._gain, self.clock.period)
         self.retune(vc)
@@ -207,14 +214,17 @@ class CourseHold(Hold):
         engaged = not off and ground.valid
 
         across = to_go = bend = 0.0
-        if self._route.waypoints:
-            leg, direct, track = self._along(position, chi, ground, vt, leg, direct, engaged)
+        if route.waypoints:
+            before = leg
+            leg, direct, track = self._along(route, position, chi, ground, vt, leg, direct, engaged)
+            if before != leg == route.last + 1 and vt:  # the start of the pattern, each time round
+                radius = self._radius_in_wind(route, ground, vt, chi)
             across, to_go = track.across, track.to_go
             tau = self._checked.lookahead or SEPARATION * self.heading.lag(ground.speed)
             closing = math.degrees(math.atan2(across, max(tau * ground.speed, 1.0)))
             limit = self._checked.intercept
             target = track.course - clip(closing, -limit, limit)
-            bend = self._route.bank(leg, ground)
+            bend = route.bank(leg, ground)
             if engaged and abs(bend) > self._checked.bank_max and not self._warned_of_bank:
                 self._warn_of_bank(bend, leg, ground.speed)
         else:
@@ -233,7 +243,7 @@ class CourseHold(Hold):
         chi_cmd = target % 360.0 if engaged else chi
         return (
             [aileron, phi_cmd, chi, chi_cmd, across, to_go, float(leg)],
-            CourseState(ground, initial, leg, direct, LateralState(heading, roll)),
+            CourseState(ground, initial, leg, direct, radius, LateralState(heading, roll)),
         )
 
     def _refuse_tight_arcs(self) -> None:
@@ -263,8 +273,40 @@ class CourseHold(Hold):
             f"{self._checked.bank_max:g}: the aircraft drifts off it"
         )
 
+    def _route_of(self, radius: float) -> _Route:
+        """The route with a holding pattern of this radius in ft, or 0 for its own."""
+        if not radius:
+            return self._route
+        if radius not in self._widened:
+            assert self.holding is not None
+            course, side, _, length = self.holding
+            route = self.waypoints, self.leg, self.fly_over, self.arcs
+            self._widened = {radius: _Route(*route, (course, side, radius, length))}
+        return self._widened[radius]
+
+    def _radius_in_wind(self, route: _Route, ground: _Ground, vt: float, chi: float) -> float:
+        """Radius in ft that a holding pattern needs in this wind, 0 if its own suffices."""
+        north, east = _wind(ground, vt, chi)
+        speed = vt + math.hypot(north, east)
+        bank = _HOLDING_BANK * self._checked.bank_max
+        minimum = speed**2 / (GRAVITY * math.tan(math.radians(bank)))
+        own, present = (r.legs[r.last] for r in (self._route, route))
+        assert isinstance(own, Arc)
+        assert isinstance(present, Arc)
+        if minimum <= present.radius:
+            return 0.0 if present is own else present.radius
+        if not self._warned_of_radius:
+            self._warned_of_radius = True
+            warn_user(
+                f"CourseHold: the holding pattern is widened from {own.radius:.0f} to "
+                f"{minimum:.0f} ft: at {speed / KNOT:.0f} kt over the ground its own radius "
+                f"requires more than {bank:g} deg of bank, {_HOLDING_BANK:g} of bank_max"
+            )
+        return minimum
+
     def _along(
         self,
+        route: _Route,
         position: Place,
         chi: float,
         ground: _Ground,
@@ -274,7 +316,6 @@ class CourseHold(Hold):
         engaged: bool,
     ) -> tuple[int, GreatCircle | None, CrossTrack]:
         """Active leg, leg 0 once engaged, and the aircraft's position along the active one."""
-        route = self._route
         leg = min(leg, len(route.legs))
         if leg == 0:
             first = route.waypoints[0]
@@ -286,18 +327,24 @@ class CourseHold(Hold):
             return leg, None, CrossTrack(0.0, 0.0, chi)
         track = circle.track_at(position)
         after = route.after(leg)
-        if engaged and after and track.to_go <= self._ahead(ground, vt, leg, after, track.course):
+        if (
+            engaged
+            and after
+            and track.to_go <= self._ahead(route, ground, vt, leg, after, track.course)
+        ):
             leg = after
             track = route.legs[leg - 1].track_at(position)
         return leg, direct, track
 
-    def _ahead(self, ground: _Ground, vt: float, leg: int, after: int, course: float) -> float:
+    def _ahead(
+        self, route: _Route, ground: _Ground, vt: float, leg: int, after: int, course: float
+    ) -> float:
         """Distance before a waypoint at which the turn begins, ft.
 
         The turn is flown at the maximum bank and the true airspeed, drifts with the wind, and ends
         on the next leg; the distance of half the time to roll in and out is added.
         """
-        route, bank_max = self._route, self._checked.bank_max
+        bank_max = self._checked.bank_max
         if leg + 1 in route.fly_over:
             return 0.0
         speed, drift = ground.speed, ground.drift if vt else 0.0
@@ -305,8 +352,7 @@ class CourseHold(Hold):
         side, turn = math.copysign(1.0, turn), min(abs(turn), _SHARPEST)
         chi, new = math.radians(course), math.radians(course + side * turn)
         heading = chi - math.radians(drift)
-        north = speed * math.cos(chi) - vt * math.cos(heading)
-        east = speed * math.sin(chi) - vt * math.sin(heading)
+        north, east = _wind(ground._replace(drift=drift), vt, course)
         # the heading with which the wind is corrected for on the next leg
         aside = east * math.cos(new) - north * math.sin(new)
         settled = new - math.asin(min(max(aside / max(vt, 1.0), -1.0), 1.0))
@@ -324,6 +370,14 @@ class CourseHold(Hold):
     def _roll(self) -> float:
         """Maximum rate of the bank reference, deg/s."""
         return self.roll.ramp
+
+
+def _wind(ground: _Ground, vt: float, chi: float) -> tuple[float, float]:
+    """Wind to the north and east in ft/s: velocity over the ground less that through the air."""
+    course, heading = math.radians(chi), math.radians(chi - ground.drift)
+    north = ground.speed * math.cos(course) - vt * math.cos(heading)
+    east = ground.speed * math.sin(course) - vt * math.sin(heading)
+    return north, east
 
 
 class _Route:
