@@ -433,15 +433,15 @@ def test_a_holding_pattern_is_flown_again_and_again(side):
 
 @pytest.mark.long
 def test_a_holding_pattern_in_the_worst_of_eight_winds():
-    # docs/navigation.md: its pattern in a wind to the north-east
+    # docs/navigation.md: its pattern in the worst of eight winds, to the south-west
     wind = 13.0 * 1.68781 * math.sqrt(0.5)
     hold = CourseHold("c172p", waypoints=[(0.03, 0.0)], holding=(90.0, "right", 2600.0, 9000.0))
     with pytest.warns(RuntimeWarning, match="widened") as caught:
-        flight = level(560.0, hold, wind=(wind, wind))
+        flight = level(560.0, hold, wind=(-wind, -wind))
     assert len(caught) == 1
     lap = flight["time"] > 300.0
     assert {*flight["leg"][lap]} == {1.0, 2.0, 3.0, 4.0}
-    assert abs(flight["across"][lap]).max() < 120.0
+    assert abs(flight["across"][lap]).max() < 130.0
     assert abs(flight["phi"][lap]).max() < 25.0
 
 
