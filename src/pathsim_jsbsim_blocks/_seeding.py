@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
+import os
 import pickle
 import random
+import sys
 from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 from unittest.mock import patch
@@ -119,3 +122,47 @@ def _seed(block: Block, seed: int) -> None:
         elif not isinstance(source, WhiteNoise):
             source.seed(seed)
     draw_first(block)
+
+
+_LASTING = (
+    np.random.Generator,
+    np.random.RandomState,
+    np.random.BitGenerator,
+    np.random.SeedSequence,
+    random.Random,
+)
+
+
+def outside_generators(function: Any) -> dict[str, Any]:
+    """Generators that a function has from one call to the next, by name.
+
+    They are those of its module, of other modules imported from its folder, of bound arguments,
+    defaults, the closure, and the object whose method it is.
+    """
+    named: dict[str, Any] = {}
+    while isinstance(function, functools.partial):
+        bound = {**dict(enumerate(function.args)), **function.keywords}
+        named |= {f"argument {name}": value for name, value in bound.items()}
+        function = function.func
+    owner = getattr(function, "__self__", function)
+    named |= {f"attribute {name}": value for name, value in getattr(owner, "__dict__", {}).items()}
+    if not hasattr(function, "__globals__"):  # an object that is called
+        function = getattr(type(function).__call__, "__func__", type(function).__call__)
+    function = getattr(function, "__func__", function)
+    code = getattr(function, "__code__", None)
+    if code is not None:
+        defaults = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
+        named |= {f"default {i}": value for i, value in enumerate(defaults)}
+        cells = zip(code.co_freevars, function.__closure__ or (), strict=False)
+        named |= {name: cell.cell_contents for name, cell in cells}
+        named |= function.__globals__
+        folder = os.path.join(os.path.dirname(os.path.abspath(code.co_filename)), "")
+        for name, module in list(sys.modules.items()):
+            file = getattr(module, "__file__", None) or ""
+            if file.startswith(folder) and "site-packages" not in file[len(folder) :]:
+                named |= {f"{name}.{x}": value for x, value in vars(module).items()}
+    return {
+        name: value
+        for name, value in named.items()
+        if isinstance(value, _LASTING) and not isinstance(value, random.SystemRandom)
+    }

@@ -165,7 +165,7 @@ def test_an_interrupted_sweep_keeps_what_is_finished(tmp_path):
         run(interrupted, PARTS, resume=path, jobs=1)
     assert len(path.read_text().splitlines()) == 3
     assert run(squares, PARTS, resume=path, jobs=1) == SQUARES
-    with pytest.raises(KeyboardInterrupt, match=r"^5 of 8 points done, lost; name a file"):
+    with pytest.raises(KeyboardInterrupt, match=r"^5 of 8 points done, lost; .*--resume FILE"):
         run(interrupted, PARTS, jobs=1)
     assert signal.getsignal(signal.SIGINT) is before
 
@@ -209,13 +209,46 @@ def test_ctrl_c_says_how_to_resume_and_leaves_nothing_behind(tmp_path, times):
         said = process.communicate(timeout=60)[1]
     assert process.returncode == -signal.SIGINT
     parts = path.read_bytes().count(b"\n") - 1
-    told = f"KeyboardInterrupt: {2 * parts} of 100 points done, resume with {str(path)!r}"
+    told = f"KeyboardInterrupt: {2 * parts} of 100 points done, resume with --resume {str(path)!r}"
     assert told in said.splitlines()
     assert said.count("Traceback") == 1
     # a second Ctrl-C may fall into the interpreter's end, where joblib's tracker warns
     if times == 1:
         assert said.splitlines()[-1] == told
         assert "joblib" not in said
+
+
+SLOW_TO_IMPORT = """
+import os, pathlib, time
+
+if marker := os.environ.get("IMPORTING"):
+    pathlib.Path(f"{marker}{os.getpid()}").touch()
+    time.sleep(3)
+"""
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+def test_ctrl_c_while_workers_import_leaves_the_message_alone(tmp_path):
+    (tmp_path / "sitecustomize.py").write_text(SLOW_TO_IMPORT)
+    begin = f"import os\nos.environ['IMPORTING'] = {str(tmp_path / 'importing')!r}\n"
+    with subprocess.Popen(
+        [sys.executable, "-c", begin + INTERRUPTED, str(tmp_path / "squares.jsonl")],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as process:
+        deadline = time.monotonic() + 60
+        # joblib's tracker and both workers
+        while len(list(tmp_path.glob("importing*"))) < 3:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        os.killpg(process.pid, signal.SIGINT)
+        said = process.communicate(timeout=60)[1]
+    assert said.count("Traceback") == 1
+    assert "0 of 100 points done, resume with --resume" in said.splitlines()[-1]
 
 
 @pytest.fixture(scope="module")

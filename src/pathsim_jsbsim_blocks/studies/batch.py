@@ -56,8 +56,9 @@ def run_batch(
         a seed written in the script has no effect.
         Or a function, called as ``build(**case)``, which builds the diagram, runs it, and returns
         its measurements as a dict of numbers or texts. A parameter ``seed`` receives the case's
-        seed; the generators of `random` and ``numpy.random`` are always seeded with it. It is sent
-        to other processes, so it must not refer to outside objects such as an aircraft
+        seed; the generators of `random` and ``numpy.random`` are always seeded with it, and any
+        other is made from it. It is sent to other processes, so it must not refer to outside
+        objects such as an aircraft; variables of its module have the values of the import
     cases : dict, DataFrame or list of dicts
         the parameters of each case; a dict of lists means their product, the last one fastest; the
         progress bar shows the number: ``60 x 60 = 3,600 cases``. For pairs pass a list of dicts. A
@@ -72,14 +73,15 @@ def run_batch(
     seed : int
         seed of the batch; the seed of each case is drawn from it and the case's position
     jobs : int
-        worker processes, at most 1024, -1 for all cores; under ``joblib.parallel_config("dask")``
-        the cluster's workers are used instead
+        worker processes, at most 1024, -1 for all cores; 1 stays in this process, for debugging.
+        Under ``joblib.parallel_config("dask")`` the cluster's workers are used instead
     resume : Path, optional
         file that keeps finished cases: repeating a killed call with the same file resumes it. It is
         refused, with the difference, for other cases, arguments of a `functools.partial`, versions
         of this package, PathSim, JSBSim and Python, ``.py`` files below the top package of the
         function or the folder of the script, and XML files below a JSBSim root among the arguments.
-        Functions must belong to a module or script. Other data are not compared
+        Functions must belong to a module or script. Other data are not compared, nor are variables
+        of modules
     progress : bool
         show a progress bar on stderr
 
@@ -100,8 +102,10 @@ def run_batch(
         before the work begins: no cases, a column ``completed`` or ``reason`` in them, bytes, a
         case that ``build`` does not accept (for a script: a block, parameter or constant that it
         does not have, naming the nearest), NaN, a ``build`` that cannot be sent to other processes,
-        a file that cannot be written or belongs to another batch; with ``resume`` also a function
-        that is not defined in a file, and more than 2,000 files
+        a joblib backend other than loky and Dask, a file that cannot be written or belongs to
+        another batch; with ``resume`` also a function
+        that is not defined in a file, and more than 2,000 files. Later: a case that draws from a
+        generator which outlives it, such as one of the function's module
     """
     pd = required("pandas", "studies")
 
@@ -119,8 +123,7 @@ def run_batch(
             if value is not None:
                 why = f"{option} is only for a script: a function build must do this itself"
                 refuse(option, value, why)
-        name = getattr(getattr(build, "func", build), "__name__", type(build).__name__)
-        run = partial(_call, build, _check(build, rows))
+        name, run = _name(build), partial(_call, build, _check(build, rows))
 
     def job() -> dict[str, Any]:
         values = dict.fromkeys(x for row in rows for x in row.values() if isinstance(x, str))
@@ -130,7 +133,7 @@ def run_batch(
         return {"cases": rows, "build": script.name, "duration": duration, **own}
 
     results = run_parts(
-        partial(_run_cases, run),
+        partial(_run_cases, run, measure or build),
         [[row] for row in rows],
         died={"completed": False, "reason": WORKER_DIED},
         describe=lambda case: ", ".join(f"{key}={value!r}" for key, value in case.items()),
@@ -257,13 +260,20 @@ def _check_sent(parameter: str, function: Any) -> None:
         refuse(parameter, function, f"{parameter} {why}")
 
 
-def _run_cases(run: Callable[..., Any], cases: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    return [_run_case(run, case) for case in cases]
+def _run_cases(
+    run: Callable[..., Any], function: Any, cases: list[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    return [_run_case(run, function, case) for case in cases]
 
 
-def _run_case(run: Callable[..., Any], case: dict[str, Any]) -> dict[str, Any]:
-    from .._seeding import Seeding
+def _name(function: Any) -> str:
+    return getattr(getattr(function, "func", function), "__name__", type(function).__name__)
 
+
+def _run_case(run: Callable[..., Any], function: Any, case: dict[str, Any]) -> dict[str, Any]:
+    from .._seeding import Seeding, outside_generators
+
+    outside = {x: (r, pickle.dumps(r)) for x, r in outside_generators(function).items()}
     with Seeding(case["seed"]) as seeding:
         try:
             row = {"completed": True, "reason": "", **_measured(run(seeding, case), case)}
@@ -271,6 +281,10 @@ def _run_case(run: Callable[..., Any], case: dict[str, Any]) -> dict[str, Any]:
             log.info("case %s failed", case, exc_info=True)
             reason = f"{type(error).__name__}: {error}".encode(errors="backslashreplace").decode()
             row = {"completed": False, "reason": reason}
+    for name, (generator, before) in outside.items():
+        if pickle.dumps(generator) != before:
+            why = f"draws from {name!r}, which the cases of a worker share; use the case's own, "
+            refuse("build", name, f"{_name(function)} {why}numpy.random.default_rng(seed)")
     return {"seed": case["seed"], **row} if seeding.used else row
 
 

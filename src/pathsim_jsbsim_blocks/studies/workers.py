@@ -76,8 +76,8 @@ def run_parts(
                     journal.write([index, result])
                 bar.update(len(result))
     except KeyboardInterrupt:
-        outcome = "lost; name a file to resume from to keep them"
-        outcome = outcome if resume is None else f"resume with {str(resume)!r}"
+        outcome = "lost; resume=FILE (--resume FILE) keeps them"
+        outcome = outcome if resume is None else f"resume with --resume {str(resume)!r}"
         done = _points(rows.values())
         raise KeyboardInterrupt(f"{done} of {points} points done, {outcome}") from None
     finally:
@@ -137,13 +137,17 @@ def _results(work: Work, parts: list[Part], pending: list[int], jobs: int) -> It
     """Index and rows of each pending part as it is finished, or ``_DIED`` for some."""
     import joblib
     from joblib.externals.loky.process_executor import TerminatedWorkerError
-    from joblib.parallel import get_active_backend
+    from joblib.parallel import LokyBackend, get_active_backend
 
-    client = getattr(get_active_backend()[0], "client", None)
+    backend = get_active_backend()[0]
+    client = getattr(backend, "client", None)
     if type(client).__module__.startswith("distributed."):
         # joblib waits indefinitely for a task whose Dask workers died, so call the client
         yield from _on_dask(client, work, parts, pending)
         return
+    if not isinstance(backend, LokyBackend):  # threads would share the seeded generators
+        name = type(backend).__name__
+        refuse("jobs", name, f"studies run on joblib's loky or on a Dask cluster, not on {name}")
     under_way: list[int] = []
 
     def tasks() -> Iterator[Any]:
@@ -159,7 +163,8 @@ def _results(work: Work, parts: list[Part], pending: list[int], jobs: int) -> It
         initializer=_begin_worker,
         initargs=(os.getpid(), jobs != 1 and os.getcwd()),
     )
-    results = parallel(tasks())
+    with _ctrl_c_waits():
+        results = parallel(tasks())
     try:
         for index, rows in results:
             under_way.remove(index)
@@ -172,11 +177,29 @@ def _results(work: Work, parts: list[Part], pending: list[int], jobs: int) -> It
             results.close()
 
 
+@contextlib.contextmanager
+def _ctrl_c_waits() -> Iterator[None]:
+    """Ctrl-C takes effect afterwards; processes started within ignore it, also while they import.
+
+    At a terminal it reaches all processes; the caller ends the workers.
+    """
+    from joblib.externals.loky.backend import resource_tracker
+
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    resource_tracker.ensure_running()  # starting, it unblocks the signal
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _begin_worker(caller: int, folder: str) -> None:
     from tqdm import tqdm
 
-    # Ctrl-C at a terminal reaches all processes; the caller ends the workers
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it is not blocked, as on Windows
     # tqdm's default lock is a system semaphore, which leaks when the worker is killed
     tqdm.set_lock(threading.RLock())
     with contextlib.suppress(OSError):
