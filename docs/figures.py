@@ -3,8 +3,10 @@
 python docs/figures.py
 """
 
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import jsbsim
 import matplotlib
 
 matplotlib.use("agg")
@@ -12,7 +14,6 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from pathsim_jsbsim_blocks.axes.points import aircraft_points
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
 
 FOLDER = Path(__file__).resolve().parent / "concepts" / "figures"
@@ -500,6 +501,16 @@ def banked():
     return figure
 
 
+# of the aircraft, in its XML
+POINTS = {
+    "aerodynamic reference point": "metrics/location[@name='AERORP']",
+    "eye point": "metrics/location[@name='EYEPOINT']",
+    "visual reference point": "metrics/location[@name='VRP']",
+    "wheels": "ground_reactions/contact[@type='BOGEY']/location",
+    "other contact points": "ground_reactions/contact[@type='STRUCTURE']/location",
+    "tanks": "propulsion/tank/location",
+    "point masses": "mass_balance/pointmass/location",
+}
 SEATS = ("pilot", "co-pilot", "left passenger", "right passenger", "baggage")
 NEAR = {
     "centre of gravity": "CG",
@@ -512,7 +523,16 @@ def points():
     """The points of a Cessna 172, named, with the chord of its wing; around the CG, enlarged."""
     airframe = Airframe("c172p")
     airframe.run_ic()
-    found = aircraft_points(airframe)
+    model = ET.parse(f"{jsbsim.get_default_root_dir()}/aircraft/c172p/c172p.xml")
+
+    def in_model(path):  # in, structural axes
+        return [tuple(float(at.findtext(i)) for i in "xyz") for at in model.iterfind(path)]
+
+    found = {
+        "empty-weight CG": in_model("mass_balance/location[@name='CG']"),
+        "centre of gravity": [tuple(airframe.fdm[f"inertia/cg-{axis}-in"] for axis in "xyz")],
+        **{kind: in_model(path) for kind, path in POINTS.items()},
+    }
     chord = 12 * airframe.fdm["metrics/cbarw-ft"]
     figure, axes = plt.subplot_mosaic(
         [["side", "near"], ["top", "cabin"]],

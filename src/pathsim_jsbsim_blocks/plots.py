@@ -11,7 +11,7 @@ import itertools
 import math
 import re
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from pathsim.blocks import Scope
 
 __all__ = [
-    "aircraft_points",
     "ground_track",
     "phase_portrait",
     "saving_to",
@@ -242,36 +241,6 @@ def settling(
     if after is None or time[first] < after:
         return f"{band} from {time[first]:.1f} s on"
     return f"{band} {time[first] - after:.1f} s after t = {after:g} s"
-
-
-def aircraft_points(
-    points: Mapping[str, Sequence[tuple[float, float, float]]], title: str = ""
-) -> Figure:
-    """Side and top view of the named points of an aircraft.
-
-    Parameters
-    ----------
-    points : dict
-        as `pathsim_jsbsim_blocks.axes.points.aircraft_points` returns them: (x, y, z) in inches,
-        structural axes (x aft, y right, z up)
-    title : str
-        headline of the figure
-    """
-    figure, (side, top) = subplots(
-        2, 1, layout="constrained", figsize=(8, 9), height_ratios=(1, 2), title=title
-    )
-    for (kind, rows), marker in zip(points.items(), itertools.cycle("oXs^vDP*p"), strict=False):
-        x, y, z = np.transpose(rows)
-        side.plot(x, z, marker, label=kind, markersize=8, alpha=0.8)
-        top.plot(x, y, marker, markersize=8, alpha=0.8)
-    side.set(ylabel="z, up [in]", title="from the left side")
-    top.set(ylabel="y, right [in]", xlabel="x, aft [in]", title="from above")
-    for ax in (side, top):
-        ax.set_aspect("equal", adjustable="datalim")
-        ax.margins(0.08)
-        ax.grid(alpha=0.4)
-    figure.legend(loc="outside right upper", fontsize="small")
-    return figure
 
 
 def ground_track(

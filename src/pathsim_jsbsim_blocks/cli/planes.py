@@ -43,14 +43,10 @@ if TYPE_CHECKING:
     SET,
     CREATE,
     SUBSTEPS,
-    file("--points", "draw the points that the model names: CG, wheels, tanks, ...", "FIG"),
 )
 def aircraft(args: argparse.Namespace) -> int:
     from ..flight import Airframe, aircraft_names
 
-    if args.points is not None:
-        _draw_points(args)
-        return 0
     if args.name is not None:
         from ..studies import aircraft_report
 
@@ -67,26 +63,6 @@ def aircraft(args: argparse.Namespace) -> int:
         except BlocksError as error:
             print(f"{name:<14} {error}")
     return 0
-
-
-def _draw_points(args: argparse.Namespace) -> None:
-    from .._core.checks import refuse
-    from ..axes.points import aircraft_points
-    from ..flight.airframe import Airframe
-    from ..plots import aircraft_points as draw
-    from ..plots import show
-
-    name, path = args.name, args.points
-    if name is None:
-        refuse("points", str(path), "--points needs the name of an aircraft")
-    airframe = Airframe(name, root=args.root, create=created(args))
-    airframe.run_ic()
-    points = aircraft_points(airframe)
-    for kind, coordinates in points.items():
-        for x, y, z in coordinates:
-            print(f"{kind:<28} x {x:9.2f}  y {y:9.2f}  z {z:9.2f} in")
-    with saving_figures(path):
-        show(draw(points, f"{name}: named points"), "")
 
 
 @command(
