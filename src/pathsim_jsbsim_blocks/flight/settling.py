@@ -20,9 +20,10 @@ from .airframe import Airframe
 _FIRST = 1e-6
 _LONGEST = 1.0
 
-# maximum growth of a step, and maximum relative change of a speed in it
+# maximum growth of a step, and maximum relative change of a speed in it: an engine whose lag is
+# jumped over may stall (Boeing314 at 0.1)
 _GROWTH = 8.0
-_LARGE = 0.1
+_LARGE = 0.02
 
 # fraction of a rate that remains after a step that shows a smaller one
 _DECAY = 0.7

@@ -40,8 +40,10 @@ def trim(
     in a pull-up): for 0.25 s vdot must stay below 0.1 ft/s2 and pdot, qdot, rdot below 0.02 rad/s2,
     and engines must have fuel for 1 s. In a turn the sideslip is zero and the turn rate follows
     from the side force; ``ny`` of the state is the side load.
-    JSBSim's own search (``solver="jsbsim"``, and on the ground) moves one control after the other,
-    to residuals of up to 0.01 ft/s2 and 0.001 rad/s2.
+    On the ground another aircraft is let down with brakes on and engines stopped until it rests;
+    from there height, pitch and bank balance wdot, qdot and pdot with engines settled at idle.
+    JSBSim's own search (``solver="jsbsim"``) moves one control after the other, to residuals of up
+    to 0.01 ft/s2 and 0.001 rad/s2.
 
     Parameters
     ----------

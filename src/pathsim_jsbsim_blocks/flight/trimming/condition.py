@@ -99,9 +99,10 @@ class TrimCondition:
     mode : str
         "full" (all six accelerations), "longitudinal", "ground" (at rest on the gear, ``altitude``
         is the ground's), "pull-up", "turn", "glide" (throttle closed or no engine, ``gamma`` free
-        and its value only the first guess), or "none" (initialise only). On the ground ``speed``,
-        ``mach`` and ``gamma`` do not apply, and udot is not part of the trim: engines idle and
-        brakes are off, so it may creep (c172p: 5.6 ft/s2)
+        and its value only the first guess), or "none" (initialise only: engines then start at full
+        power, whatever the throttle). On the ground the aircraft is let down with brakes on until
+        it rests; ``speed``, ``mach`` and ``gamma`` do not apply, and udot is not part of the trim:
+        engines idle and brakes are off, so it may creep (c172p: 0.6 ft/s2)
     gear : float, optional
         landing gear, 0 up to 1 down; default is the model's own setting, which is often down even
         if the gear is retractable (737, B747): set 0 above 200 KCAS
@@ -152,8 +153,8 @@ class TrimCondition:
         refused: only their throttle stops them
     solver : str, optional
         "newton" (the default in flight; `pathsim_jsbsim_blocks.flight.trim` describes it) or
-        "jsbsim": JSBSim's own search, from which published numbers come, and the only one on the
-        ground. It trims neither glides nor sideslips nor engines out (nor to a given throttle). It
+        "jsbsim": JSBSim's own search, from which published numbers come; on the ground it may
+        balance an aircraft on two wheels. It trims neither glides nor sideslips nor engines out (nor to a given throttle). It
         is refused in flight below 200 ft above the ground (it may end the process) and with
         constant-speed propellers (it may never end)
     coordinated : bool
@@ -298,8 +299,8 @@ class TrimCondition:
             if powered:
                 why = "needs a throttle or thrust to hold, or mode='glide'"
             self._refuse("free", why)
-        if self.solver == "newton" and self.mode in ("ground", "none"):
-            self._refuse("solver", f"cannot be combined with mode={self.mode!r}: use JSBSim's own")
+        if self.solver == "newton" and self.mode == "none":
+            self._refuse("solver", "cannot be combined with mode='none', which does not trim")
         engine_out = self.engines_off and self.mode not in ("ground", "none")
         if self.solver == "jsbsim" and (self.beta or not powered or engine_out):
             why = "cannot trim a glide, a sideslip, a fixed throttle or an engine out: use "
@@ -313,8 +314,8 @@ class TrimCondition:
 
     @property
     def searched_by(self) -> str:
-        """The solver for this condition: "newton" or "jsbsim", the only one on the ground."""
-        return "jsbsim" if self.mode == "ground" else self.solver or "newton"
+        """The solver for this condition: "newton" or "jsbsim"."""
+        return self.solver or "newton"
 
     def __deepcopy__(self, memo: Any) -> TrimCondition:
         return self

@@ -11,7 +11,7 @@ from ..._core.aircraft_ports import throttles
 from ...errors import TrimError
 from ..airframe import Airframe
 from .condition import TrimCondition
-from .equations import RESIDUALS, Effort, SteadyFlight
+from .equations import RESIDUALS, Effort, SteadyFlight, size
 from .failure import failure
 from .initial import engines_off, initialise, properties
 from .search import Reached
@@ -30,6 +30,9 @@ _STEP = 0.5
 
 # change of an acceleration, in tolerances of the search, below which a command has no effect
 _NONE = 10.0
+
+# maximum repetitions of a state with memory
+_REPEATS = 20
 
 
 class Effect(NamedTuple):
@@ -71,7 +74,7 @@ def effects(
     flight: SteadyFlight, x: np.ndarray, airframe: Airframe, commands: Iterable[str] = _COMMANDS
 ) -> Iterator[Effect]:
     """The effects, near a state, of commands among the search's unknowns."""
-    before = flight.settled(x)
+    before = _at_rest(flight, x)
     for command in commands:
         unknowns, acceleration = _COMMANDS[command]
         name = next((name for name in unknowns if name in flight.names), "")
@@ -87,11 +90,20 @@ def effects(
         again = flight.settled(x)
         row = flight.used.index(acceleration)
         change = float(moved[row] - 0.5 * (before[row] + again[row]))
-        drift = float(again[row] - before[row])
         before = again
         size = change * RESIDUALS[acceleration] / step
-        moves = not abs(change) <= max(_NONE, abs(drift))  # NaN is an effect
+        moves = not abs(change) <= _NONE  # NaN is an effect
         yield Effect(command, tuple(names), acceleration, size, moves, own)
+
+
+def _at_rest(flight: SteadyFlight, x: np.ndarray) -> np.ndarray:
+    """Residuals at a state once they repeat, if they do (airships drift)."""
+    r = flight.settled(x)
+    for _ in range(_REPEATS):
+        before, r = r, flight.settled(x)
+        if size(r - before) <= 1.0:
+            break
+    return r
 
 
 def model_fault(

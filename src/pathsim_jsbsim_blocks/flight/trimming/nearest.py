@@ -45,7 +45,12 @@ def with_nearest(
     """The error of a failed trim, with the nearest airspeed that trims."""
     condition = error.condition
     powered = len(airframe.stopped) < airframe.engines or condition.balance != "throttle"
-    wants = condition.searched_by == "newton" and condition.balance != "speed" and powered
+    wants = (
+        condition.searched_by == "newton"
+        and condition.mode != "ground"
+        and condition.balance != "speed"
+        and powered
+    )
     if not wants or error.reason not in _CURABLE:
         return error
     nearest = _nearest_speed(airframe.twin(), condition, setup)

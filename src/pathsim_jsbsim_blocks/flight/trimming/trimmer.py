@@ -14,7 +14,7 @@ import numpy as np
 from ...errors import TrimError
 from ..airframe import Airframe
 from ..settling import MOST_SUBSTEPS
-from . import check, jsbsim, power
+from . import check, ground, jsbsim, power
 from .check import HandsOff
 from .condition import TrimCondition
 from .effects import model_fault
@@ -118,7 +118,7 @@ class Trimmer:
         There is no flight if the trim repeats the last one of ``like``.
         """
         self._effort = Effort()
-        by_jsbsim = condition.mode == "none" or condition.searched_by == "jsbsim"
+        by_jsbsim = condition.mode in ("none", "ground") or condition.searched_by == "jsbsim"
         if self._spent or (self._used and (by_jsbsim or not warm)):
             self._renew()
         seed, self._seed = self._seed if warm else None, None
@@ -208,9 +208,12 @@ class Trimmer:
             raise failure(airframe, condition, "thrust")
 
     def _by_jsbsim(self, condition: TrimCondition) -> TrimState:
-        """Trim by JSBSim's own search; in mode "none" the initial state."""
+        """Trim by JSBSim's own search or on the ground; in mode "none" the initial state."""
         airframe, moved = self.airframe, tuple[str, ...]()
-        if condition.mode != "none":
+        if condition.mode == "ground" and condition.searched_by == "newton":
+            with airframe.engines_stopped():
+                moved = ground.let_down(airframe, condition)
+        elif condition.mode != "none":
             with airframe.engines_stopped():
                 moved = jsbsim.find(airframe, condition)
         state = read_state(airframe, condition, moved)
@@ -324,6 +327,11 @@ class Trimmer:
         light = self._too_light(flight, x)
         # the last state written need not be the best
         r, residuals = flight.arrive(x)
+        if reached.size <= 1.0 < size(r):
+            # a slow engine (pc7) had not quite settled: search on from the settled state
+            reached = descend(flight, x, reached.slopes)
+            x = reached.x
+            r, residuals = flight.arrive(x)
         # the flight begins here: settling the propellers has advanced the clock
         airframe.fdm.set_sim_time(0.0)
         if airframe.fdm["forces/fbz-gear-lbs"] != 0.0:
