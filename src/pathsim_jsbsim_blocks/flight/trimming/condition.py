@@ -102,7 +102,7 @@ class TrimCondition:
         and its value only the first guess), or "none" (initialise only: engines then start at full
         power, whatever the throttle). On the ground the aircraft is let down with brakes on until
         it rests; ``speed``, ``mach`` and ``gamma`` do not apply, and udot is not part of the trim:
-        engines idle and brakes are off, so it may creep (c172p: 0.6 ft/s2)
+        engines idle and brakes are off, so it may creep (c172p: 0.1 ft/s2)
     gear : float, optional
         landing gear, 0 up to 1 down; default is the model's own setting, which is often down even
         if the gear is retractable (737, B747): set 0 above 200 KCAS
