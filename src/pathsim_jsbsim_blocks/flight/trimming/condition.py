@@ -154,9 +154,9 @@ class TrimCondition:
     solver : str, optional
         "newton" (the default in flight; `pathsim_jsbsim_blocks.flight.trim` describes it) or
         "jsbsim": JSBSim's own search, from which published numbers come; on the ground it may
-        balance an aircraft on two wheels. It trims neither glides nor sideslips nor engines out (nor to a given throttle). It
-        is refused in flight below 200 ft above the ground (it may end the process) and with
-        constant-speed propellers (it may never end)
+        balance an aircraft on two wheels. It trims neither glides nor sideslips nor engines out
+        (nor to a given throttle). It is refused in flight below 200 ft above the ground (it may end
+        the process) and with constant-speed propellers (it may never end)
     coordinated : bool
         in a turn leave the sideslip free to remove the lateral acceleration, instead of a turn
         without sideslip whose rate is free (mode "turn", Newton search). Some models have no
