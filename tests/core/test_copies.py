@@ -1,4 +1,4 @@
-"""Copies of blocks, by ``copy.deepcopy`` and by pickling: they go on as the block does."""
+"""Copies of blocks, by ``copy.copy``, ``copy.deepcopy`` and by pickling: they go on as the block does."""
 
 import copy
 import inspect
@@ -32,14 +32,16 @@ BLOCKS = {
 AIRCRAFT = ["Aircraft", "JSBSimFDM"]
 
 BY = pytest.mark.parametrize(
-    "by", [copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))], ids=["deepcopy", "pickle"]
+    "by",
+    [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))],
+    ids=["copy", "deepcopy", "pickle"],
 )
 
 
 @pytest.mark.parametrize("name", [name for name in BLOCKS if name not in AIRCRAFT])
 def test_a_copy_has_the_parameters_and_ports_and_its_own_values(name):
     block = BLOCKS[name](**{"method": "algebraic"} if name == "LinearAircraft" else {})
-    other = pickle.loads(pickle.dumps(copy.deepcopy(block)))
+    other = pickle.loads(pickle.dumps(copy.copy(copy.deepcopy(block))))
     assert repr(other) == repr(block)
     for side in ("inputs", "outputs"):
         ours, theirs = getattr(block, side), getattr(other, side)

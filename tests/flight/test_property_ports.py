@@ -1,5 +1,7 @@
 """Properties of JSBSim as further ports of `Aircraft`: flaps, gear, single engines, any other."""
 
+import sys
+
 import numpy as np
 import pytest
 from how_many import first
@@ -206,3 +208,86 @@ def test_an_input_that_can_only_be_written_is_0_at_the_trim():
         aircraft_model="c172p", input_properties=ports, trim_airspeed=90, trim_altitude=5000
     )
     assert block.trimmed_inputs() == [block.fdm["fcs/elevator-cmd-norm"], 0.0]
+
+
+TANK = "propulsion/tank[0]/contents-lbs"
+
+
+def burnt(increment, name=TANK, **more):
+    """Fuel of an aircraft's first tank after a pulse on it, lb: each second for 8 s."""
+    plane = Aircraft("c172p", altitude=5000, speed=90, input_properties=[name], **more)
+    pulse = Source(lambda t: increment if 1 <= t < 2.5 else 0.0)
+    sim = Simulation([plane, pulse], [Connection(pulse, plane[name])], dt=1 / 120, log=False)
+    contents = []
+    for _ in range(8):
+        sim.run(1.0)
+        contents.append(plane.fdm[name])
+    return np.array(contents)
+
+
+@pytest.mark.parametrize(
+    ("increment", "during"),
+    [(-5.0, -5.0), (3.0, 3.0), (1e4, None)],
+    ids=["less", "more", "beyond full"],
+)
+def test_an_increment_on_what_the_model_moves_is_neutral_when_it_is_0_again(increment, during):
+    usual, pulsed = burnt(0.0), burnt(increment)
+    assert np.diff(usual).max() < 0.0
+    if during is not None:
+        assert pulsed[1] - usual[1] == pytest.approx(during, abs=1e-6)
+        # the weight changes the consumption a little for the time of the pulse
+        assert pulsed[2:] - usual[2:] == pytest.approx(0.0, abs=1e-3)
+    # the tank burns on
+    assert np.diff(pulsed[2:]) == pytest.approx(np.diff(usual[2:]), rel=0.01)
+
+
+def test_on_a_property_that_stays_the_sum_is_bit_for_bit_start_and_increment():
+    name = "fcs/flap-cmd-norm"
+    plane = Aircraft("c172p", speed=90.0, flaps=0.1, input_properties=[name])
+    numbers = [0.0, 0.1, 0.1, 0.30000000000000004, -0.05, 0.7, 0.0, 0.2]
+    for index, increment in enumerate(numbers, 1):
+        plane.advance(index, [0.0] * 7 + [increment])
+        assert plane.fdm[name] == 0.1 + increment
+
+
+def interrupted_at(line, plane, index, row):
+    """A period with Ctrl-C at a line of `_Further.move`, and again; whether there is such a line."""
+
+    def trace(frame, event, argument):
+        nonlocal line
+        if frame.f_code.co_name == "move":
+            line -= event == "line"
+            if line == 0:
+                line = -1
+                raise KeyboardInterrupt
+        return trace
+
+    sys.settrace(trace)
+    try:
+        plane.advance(index, row)
+    except KeyboardInterrupt:
+        sys.settrace(None)
+        plane.advance(index, row)
+    finally:
+        sys.settrace(None)
+    return line < 0
+
+
+def test_ctrl_c_while_an_increment_is_written_counts_it_once():
+    def flight(line):
+        plane, struck = Aircraft("c172p", speed=90.0, input_properties=[TANK]), False
+        for index, x in enumerate((0.0, 0.0, -4.0, -4.0, 1.0, 0.0, 0.0), 1):
+            row = [0.0] * 7 + [x]
+            if index in (3, 5, 6) and line:
+                struck |= interrupted_at(line, plane, index, row)
+            else:
+                plane.advance(index, row)
+        return struck, plane.fdm[TANK], plane.fdm["attitude/theta-rad"]
+
+    _, *whole = flight(0)
+    struck, line = True, 0
+    while struck:
+        line += 1
+        struck, *end = flight(line)
+        assert end == whole
+    assert line > 8

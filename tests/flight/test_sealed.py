@@ -23,9 +23,10 @@ import numpy as np
 import pytest
 from fleet_conditions import FLYING
 from models_from_outside import changed
-from pathsim import Simulation
+from pathsim import Connection, Simulation
+from pathsim.blocks import StepSource
 
-from pathsim_jsbsim_blocks import Aircraft, AircraftError, TrimError
+from pathsim_jsbsim_blocks import Aircraft, AircraftError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, empty_weight_cg
 from pathsim_jsbsim_blocks.flight.console import capture_console, messages
 
@@ -328,6 +329,36 @@ def in_a_thread(action):
     thread.start()
     thread.join()
     time.sleep(0.1)  # a thread frees its storage after it can be joined
+
+
+def test_a_flight_goes_on_in_a_thread_that_has_the_number_of_an_ended_one(capfd):
+    # below absolute zero JSBSim complains in each step
+    plane = Aircraft("c172p", altitude=5000, speed=90, input_properties=["atmosphere/delta-T"])
+    cold = StepSource(amplitude=-2000, tau=0.9)
+    sim = Simulation(
+        [plane, cold], [Connection(cold, plane["atmosphere/delta-T"])], dt=1 / 120, log=0
+    )
+    numbers = []
+
+    def go_on():
+        numbers.append(threading.get_ident())
+        with contextlib.suppress(FlightError):
+            sim.run(0.5)
+
+    for _ in range(3):
+        in_a_thread(go_on)
+    assert len({*numbers}) < 3
+    assert capfd.readouterr() == ("", "")
+
+
+def test_jsbsims_own_variable_prints_nothing(outside):
+    code = """
+os.environ["JSBSIM_DEBUG"] = "127"
+flight = keywords("c172p")
+JSBSimFDM(**flight).reset()
+report = []
+"""
+    assert outside(code) == ([], b"", [])
 
 
 def test_the_end_of_a_thread_frees_no_logger():

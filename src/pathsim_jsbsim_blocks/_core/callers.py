@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import logging
-import traceback
 import warnings
+import weakref
 from collections.abc import Iterator
 from types import FrameType
-from typing import Any
+from typing import Any, cast
 
 _OURS = (__name__.partition(".")[0], "pathsim")
 
@@ -25,7 +26,13 @@ def warn_user(message: str, *, once: bool = False) -> None:
 
 def frames() -> Iterator[FrameType]:
     """Frames of the callers, the innermost first, which contain the user's variables."""
-    return (frame for frame, _ in traceback.walk_stack(None))
+    return _outward(cast(FrameType, inspect.currentframe()).f_back)
+
+
+def _outward(frame: FrameType | None) -> Iterator[FrameType]:
+    while frame is not None:
+        yield frame
+        frame = frame.f_back
 
 
 def is_users(frame: FrameType) -> bool:
@@ -48,12 +55,21 @@ def depth_in_subsystems() -> int:
     return len(inside)
 
 
+# by the engine, once found
+_simulations: weakref.WeakKeyDictionary[Any, Any] = weakref.WeakKeyDictionary()
+
+
 def calling_simulation(engine: Any) -> Any:
-    """The simulation with this engine, which is calling an event of a block."""
+    """The simulation with this engine, which is calling an event of a block; None without one."""
     from pathsim import Simulation
 
-    variables = (x for frame in frames() for x in frame.f_locals.values())
-    return next(x for x in variables if isinstance(x, Simulation) and x.engine is engine)
+    sim = _simulations.get(engine, lambda: None)()
+    if sim is None:
+        variables = (x for frame in frames() for x in frame.f_locals.values())
+        sims = (x for x in variables if isinstance(x, Simulation) and x.engine is engine)
+        if (sim := next(sims, None)) is not None:
+            _simulations[engine] = weakref.ref(sim)
+    return sim
 
 
 def _captured() -> bool:

@@ -10,7 +10,9 @@ form. `Parametric` checks them when the block is built and when one is set later
 
 from __future__ import annotations
 
+import copy
 import dataclasses
+import difflib
 import functools
 import inspect
 import reprlib
@@ -19,11 +21,16 @@ from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from ..errors import KeywordError
 from .callers import keep_warnings_visible
 from .checks import did_you_mean, nearest_ports, refuse, refuse_unknown
+from .own import editable, own
 from .pathsim_internals import NamedRegister, port_names
 from .pathsim_types import Block
 from .ports import label
+
+# similarity of two names, 0 to 1, above which one is probably a typo of the other
+_TYPO = 0.85
 
 # returns the valid value of a parameter, from its name and the value passed
 Check = Callable[..., Any]
@@ -69,6 +76,8 @@ class Parametric(Block):
     A subclass is a dataclass, ``@dataclass(eq=False)``. It may implement `_begin`, to initialise
     PathSim's block, and `build`, to apply the parameters' checked values, ``self._checked``.
     Setting a parameter later calls `build` again; if a value is refused, the block is unchanged.
+    A parameter is the block's own: what the caller later does to a dict, list or array that was
+    passed has no effect, and what is read back cannot be edited.
     """
 
     # no annotations: these are class variables, not fields
@@ -112,10 +121,14 @@ class Parametric(Block):
     if not TYPE_CHECKING:  # otherwise checkers would accept setting any attribute
 
         def __setattr__(self, name: str, value: Any) -> None:
-            if name in self.__dataclass_fields__ and self._built:
+            if name not in self.__dataclass_fields__:
+                if self._built and name not in self.__dict__ and not hasattr(type(self), name):
+                    self._refuse_typo(name, value)
+                object.__setattr__(self, name, value)
+            elif self._built:
                 self._change({name: value})
             else:
-                object.__setattr__(self, name, value)
+                object.__setattr__(self, name, own(value))
 
     def set(self, **values: Any) -> None:
         """Set several parameters at once, as PathSim's ``@mutable`` blocks do.
@@ -128,14 +141,24 @@ class Parametric(Block):
         ParameterError
             for a parameter that the block does not have, naming the nearest, and for bad values
         """
-        names = dict.fromkeys([*self.info()["parameters"], *self.__dataclass_fields__])
-        refuse_unknown(type(self).__name__, values, names, port_names(self.inputs))
+        refuse_unknown(type(self).__name__, values, self._parameters(), port_names(self.inputs))
         self._change(values)
+
+    def _parameters(self) -> dict[str, None]:
+        return dict.fromkeys([*self.info()["parameters"], *self.__dataclass_fields__])
+
+    def _refuse_typo(self, name: str, value: Any) -> None:
+        """Refuse a new attribute whose name is almost that of a parameter or port."""
+        names = [*self._parameters(), *self._ipython_key_completions_()]
+        close = difflib.get_close_matches(name, names, 1, _TYPO)
+        if close and not name.startswith("_") and name not in self._parameters():
+            message = f"{type(self).__name__} has no parameter {name!r}{did_you_mean(close)}"
+            raise KeywordError(message, parameter=name, value=value)
 
     def _change(self, values: dict[str, Any]) -> None:
         """Apply changed parameters; restore the old ones if they are refused."""
         before = {name: getattr(self, name) for name in values}
-        self.__dict__.update(values)
+        self.__dict__.update({name: own(value) for name, value in values.items()})
         try:
             self._configure()
         except BaseException:
@@ -143,13 +166,17 @@ class Parametric(Block):
             self._configure()
             raise
 
+    def __copy__(self) -> Any:
+        """A copy with its own ports and clock, as ``copy.deepcopy`` makes it."""
+        return copy.deepcopy(self)
+
     def __repr__(self) -> str:
         changed = []
         for name, parameter in inspect.signature(type(self)).parameters.items():
             value = getattr(self, name, parameter.default)
             # by its text, because comparing arrays gives an array
             if repr(value) != repr(parameter.default):
-                changed.append(f"{name}={reprlib.repr(value)}")
+                changed.append(f"{name}={reprlib.repr(editable(value))}")
         return f"{type(self).__name__}({', '.join(changed)})"
 
     @classmethod

@@ -76,13 +76,13 @@ def fly(
 
 
 def _fly(sim: Simulation, duration: float, reset: bool, progress: bool | None) -> dict[str, Any]:
-    warn_of_wiring(sim)
     start = 0.0 if reset else sim.time
     tracker = pathsim_internals.tracker(sim, duration)
     with tracker, progress_bar(duration, progress) as bar:
         adaptive = sim.engine.is_adaptive
         loop = pathsim_internals.run_loop(sim, duration, reset, adaptive, tracker)
         for step in loop:
+            warn_of_wiring(sim)
             bar.update(sim.time - start - bar.n)
             if not adaptive:
                 # PathSim's loop has done the start and the first step; its dt is the run's step,

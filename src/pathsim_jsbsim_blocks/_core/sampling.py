@@ -39,13 +39,13 @@ from weakref import WeakKeyDictionary
 from pathsim.events import Event, Schedule
 from pathsim.exceptions import LinearizationError
 
-from .callers import calling_simulation, depth_in_subsystems, warn_user
+from .callers import calling_simulation, depth_in_subsystems, frames, warn_user
 from .checks import number, positive, refuse
 from .continuous import Matrices, at_limit, continuous_equivalent
 from .parameters import Parametric
 from .pathsim_internals import WiredRegister, begin_stepping, port_names, show, values
 from .pathsim_types import Block
-from .wiring import name_of
+from .wiring import name_of, warn_of_wiring
 
 # s; catches typos such as T=1e-9
 SHORTEST_PERIOD = 1e-6
@@ -117,8 +117,8 @@ class SampleClock(Schedule):
         whether a step without stages is evaluated at its end only
     depth : int
         number of subsystems around the block
-    begun : int
-        the period that an aircraft has begun to fly
+    begun : tuple
+        index of the period that an aircraft has begun to fly, and its ground contact at the start
     """
 
     def __init__(self, block: SampledBlock):
@@ -134,7 +134,7 @@ class SampleClock(Schedule):
             # `Block.off` resets the block after its events are off
             self.off()
         self.period = self.t_period = _period(self.block.T)
-        self.start, self.begun = 0.0, 0
+        self.start, self.begun = 0.0, (0, None)
         self._set((0, None, None))
 
     def _set(self, now: tuple[int, Any, Any]) -> None:
@@ -222,6 +222,8 @@ class SampleClock(Schedule):
             self.open = False
             if math.isnan(self.reached):
                 self.reached = -math.inf
+            if (sim := calling_simulation(self.block._engine)) is not None:
+                warn_of_wiring(sim)
             self.block._run_begins()
         due = t >= self.due
         if self.depth and (due or (begins and self.at_latest(t))):
@@ -287,7 +289,13 @@ class SampledBlock(Block):
         self.events: list[Event] = [self.clock]
 
     def linearize(self, t: float) -> Any:
-        """Refused: a sampled block keeps sampling. `to_statespace` gives its linear model."""
+        """Refused: a sampled block keeps sampling. `to_statespace` gives its linear model.
+
+        PathSim has linearised the blocks before it; they are restored.
+        """
+        for frame in frames():
+            if frame.f_code.co_name == "linearize":
+                frame.f_locals["self"].delinearize()
         raise LinearizationError(
             f"{type(self).__name__} is sampled and cannot run as a linear block: "
             "to_statespace gives the linear model of the diagram"

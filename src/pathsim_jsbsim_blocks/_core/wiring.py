@@ -27,15 +27,17 @@ def warn_of_wiring(sim: Simulation) -> None:
 
     These are a connected block that is not in the simulation, a connection outside a subsystem from
     a block inside, two connections to one port, an unconnected input that must not read 0, an
-    unconnected command or wind, and commands with the gains of another aircraft. `fly`, the command
-    line, ``load_diagram``, batches, environments and the export call this.
+    unconnected command or wind, and commands with the gains of another aircraft. The first sample
+    of a run calls this, and `fly` for a diagram without samples; ``load_diagram``, environments and
+    the export call it before a run.
 
     Warns
     -----
     RuntimeWarning
         for each mistake; again only after the diagram was changed
     """
-    if sim.graph in _checked and not is_dirty(sim):
+    # a diagram that was changed has its new graph when a run begins
+    if is_dirty(sim) or sim.graph in _checked:
         return
     _checked.add(sim.graph)
     for message in dict.fromkeys(_mistakes(sim)):

@@ -380,7 +380,11 @@ class Aircraft(FlightBlock):
 
 
 class _Further:
-    """An input for further properties: increments on their values after the trim."""
+    """An input for further properties: increments on their values after the trim.
+
+    A property that the model itself changes, such as the contents of a tank, is changed by the
+    difference of the increment, so that 0 is neutral again.
+    """
 
     def __init__(self, port: int, names: Sequence[str], airframe: Airframe):
         self._port = port
@@ -392,17 +396,29 @@ class _Further:
         command = names in SHORT_INPUTS.values()
         self._high = 1.0 if command else math.inf
         self._low = -1.0 if names == SHORT_INPUTS["steering"] else 0.0 if command else -math.inf
-        # values at the first increment other than 0
-        self._start: list[float] | None = None
+        # the increment, the values without it and those that were read after the last write; one
+        # assignment, which no interrupt can split
+        values = self._read()
+        self._written = 0.0, values, values
+        # the values without the increment, while a write is not complete
+        self._starts: list[float] | None = None
+
+    def _read(self) -> list[float]:
+        return [read() for read in self._readers]
 
     def move(self, u: list[float]) -> None:
-        increment = u[self._port]
-        if self._start is None:
-            if increment == 0.0:
-                return
-            self._start = [read() for read in self._readers]
-        for put, start in zip(self._writers, self._start, strict=True):
+        increment, starts, shown = self._written
+        if u[self._port] == increment and self._starts is None:
+            return
+        if self._starts is None:
+            self._starts = [
+                start if value == before else value + (start - before)
+                for value, start, before in zip(self._read(), starts, shown, strict=True)
+            ]
+        increment, starts = u[self._port], self._starts
+        for put, start in zip(self._writers, starts, strict=True):
             put(min(max(start + increment, self._low), self._high))
+        self._written, self._starts = (increment, starts, self._read()), None
 
 
 def linear_model(

@@ -239,6 +239,8 @@ class Airframe(PropertyTree):
         capture_console()
         self._xml = self._file.xml
         self.fdm = jsbsim.FGFDMExec(None if self.root is None else os.fspath(self.root))
+        # the constructor sets the level from JSBSIM_DEBUG
+        jsbsim.FGJSBBase().debug_lvl = 0
         if not self._network:
             self.fdm.disable_input()
         if not self._files:

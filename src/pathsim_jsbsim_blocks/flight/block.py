@@ -6,7 +6,6 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from math import inf, isfinite, nan
-from threading import get_ident
 from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import jsbsim
@@ -32,7 +31,7 @@ from ..errors import (
 from . import from_trim
 from .airframe import Airframe
 from .channels import Channel
-from .console import capture_console
+from .console import capture_console, console
 from .contact import GroundContact
 from .flightgear import next_address
 from .property_ports import check_ports, listed
@@ -109,6 +108,8 @@ class FlightBlock(Parametric, SampledPlant):
     _before: tuple[str, Airframe] | None = None
     # key of the linearised flight, and its model
     _linear: tuple[str, LinearModel] | None = None
+    # the error that has ended the flight
+    _ending: FlightError | None = None
     # whether the user was warned that a parameter acts at the next reset
     _warned_of_reset = False
 
@@ -329,6 +330,8 @@ class FlightBlock(Parametric, SampledPlant):
         number("T / substeps", dt, low=SHORTEST_PERIOD, high=_LONGEST_STEP)
         start, condition = self._start_file(), self._condition()
         self._flying = self._flight_key()
+        self._ending = None
+        self._warned_of_reset = False
         before, self._before = self._before, None
         options = {name: getattr(self, name) for name in _OF_AIRFRAME}
         if self._sealed:
@@ -352,15 +355,15 @@ class FlightBlock(Parametric, SampledPlant):
         self.airframe.write(self.properties, "properties")
         self._before = self._flying, self.airframe
         speed, height, nz = (self.airframe.reader(name) for name in _WATCHED)
-        self._thread = get_ident()
         self._n_inputs = len(port_names(self.inputs))
         self._n_outputs = len(port_names(self.outputs))
         self._step, self._time_zero = self.airframe.dt, self.airframe.sim_time()
         # what `advance` uses, in one look-up
-        numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
         limits = (getattr(self._checked, name, inf) for name in ("sink_max", "scrape_max"))
-        contact = GroundContact(self.airframe, *limits)
-        watched = speed, height, nz, contact.reach, contact.broken
+        numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
+        contact = GroundContact(self.airframe, numbers[2], *limits)
+        touch = lambda: contact.broken(self.clock.begun[1])  # noqa: E731
+        watched = speed, height, nz, contact.reach, contact.look, touch
         self._bound = self.airframe.run, self.airframe.sim_time, write, read, *watched, numbers
         self._starved = self.airframe.starved()
         self._fuel_at = _FUEL_CHECK / (dt * self._substeps) if self.airframe.engines else inf
@@ -431,6 +434,8 @@ class FlightBlock(Parametric, SampledPlant):
         self.take_off(y)
 
     def latch(self, t: float) -> list[float]:
+        if self._ending:
+            self._stay_ended()
         u = values(self.inputs)
         if len(u) > self._n_inputs:
             why = f"input port {len(u) - 1} of {type(self).__name__} is connected, but the number "
@@ -443,18 +448,21 @@ class FlightBlock(Parametric, SampledPlant):
 
     def advance(self, index: int, u: list[float]) -> list[float]:
         # inlined, because a call or an attribute look-up costs as much as reading an output
-        run, sim_time, write, read, speed, height, nz, reach, touch, numbers = self._bound
+        run, sim_time, write, read, speed, height, nz, reach, look, touch, numbers = self._bound
         substeps, time_zero, period, half_step = numbers
-        if get_ident() != self._thread:
+        if self._ending:
+            self._stay_ended()
+        if not console.installed:
             # JSBSim has a console per thread, and a diagram may continue in another thread
-            self._thread = get_ident()
             capture_console()
         # an interrupt may have come before the inputs were written, or between the steps
         clock = self.clock
-        done = self._steps_since(index - 1) if clock.begun == index else 0
+        begun, near = clock.begun
+        done = self._steps_since(index - 1) if begun == index else 0
         try:
             if not done:
-                clock.begun = index
+                near = look(near) if height() < reach else None
+                clock.begun = index, near
                 write(u)
             for _ in range(substeps - done):
                 run()
@@ -464,7 +472,7 @@ class FlightBlock(Parametric, SampledPlant):
             self._fail_time(index)
         y = read()
         above = height()
-        if above < reach and (broken := touch()):
+        if near and (broken := touch()):
             self._fail(*broken, self._time(index))
         if not (isfinite(sum(y) + speed()) and above >= _UNDERGROUND and -_CRASH < nz() < _CRASH):
             self._check(y, self._time(index))
@@ -495,7 +503,13 @@ class FlightBlock(Parametric, SampledPlant):
     def _end(self, why: str, name: str, value: float, t: float) -> NoReturn:
         aircraft = self.airframe.aircraft
         message = f"aircraft {aircraft!r}{why}"
-        raise FlightError(message, aircraft=aircraft, time=t, name=name, value=value) from None
+        error = FlightError(message, aircraft=aircraft, time=t, name=name, value=value)
+        self._ending = error.reworded(f"{message}. This flight has ended: reset to fly again")
+        raise error from None
+
+    def _stay_ended(self) -> NoReturn:
+        # a copy: raising the stored one would add to its traceback at every step
+        raise self._ending.reworded(str(self._ending))  # type: ignore[union-attr]
 
     def _fail(self, what: str, name: str, value: float, t: float) -> None:
         """End a flight because of an impossible value; in a script, of one that is not finite.
@@ -519,7 +533,7 @@ class FlightBlock(Parametric, SampledPlant):
     def _fail_time(self, index: int) -> NoReturn:
         time = self.airframe.sim_time() - self._time_zero
         why = f": its clock shows {time:.9g} s after {index} periods of {self.clock.period:.9g} s: "
-        why += "other code runs or holds it. Reset the simulation to fly again"
+        why += "other code runs or holds it"
         self._end(why, "simulation/sim-time-sec", time, self._time(index))
 
     def _check(self, y: list[float], t: float) -> None:

@@ -79,21 +79,21 @@ class _Console(threading.local, jsbsim.FGLogger):
         self.parts.clear()
 
 
-_console = _Console()
+console = _Console()
 
 
 def capture_console() -> _Console:
     """Route JSBSim's console in the calling thread to the logger (once per thread)."""
-    if not _console.installed:
-        _install(_console)
-        _console.installed = True
+    if not console.installed:
+        _install(console)
+        console.installed = True
         jsbsim.FGJSBBase().debug_lvl = 0
-    return _console
+    return console
 
 
 def messages(action: Callable[[], Any], *, hushed: bool = False) -> tuple[Any, list[Message]]:
     """Result of ``action()`` and JSBSim's messages meanwhile; ``hushed`` logs them at DEBUG."""
-    console = capture_console()
+    capture_console()
     # the logger installed last, on any thread
     previous = jsbsim.get_logger()
     _install(console)

@@ -14,18 +14,26 @@ _TYRE_SLIDES, _TYRE_ROLLS = 0.3, 0.5
 # ft; the centre of gravity moves as fuel burns
 _MARGIN = 10.0
 
+# ft/s, of any descent
+_FASTEST = 1000.0
+
 _SINK = property_of("hdot")
 
 
-class GroundContact:
-    """Monitors ground contact of a trimmed aircraft; parts that touch initially are exempt.
+# rate of climb in ft/s, whether each part touches, and whether it has touched from the start
+Near = tuple[float, list[float], list[bool]]
 
-    ``sink_max`` is the maximum sink rate at contact, ft/s; ``scrape_max`` the maximum depth to
-    which a part that is not a wheel may press into the ground, ft; ``reach`` the height of the
-    centre of gravity above the ground, ft, above which no part can touch, -inf if not monitored.
+
+class GroundContact:
+    """Ground contact of a trimmed aircraft; parts that touch initially are exempt.
+
+    ``period`` is the time between two looks, s; ``sink_max`` the maximum sink rate at contact,
+    ft/s; ``scrape_max`` the maximum depth to which a part that is not a wheel may press into the
+    ground, ft; ``reach`` the height of the centre of gravity above the ground, ft, above which no
+    part can touch within a period, -inf if not monitored.
     """
 
-    def __init__(self, airframe: Airframe, sink_max: float, scrape_max: float):
+    def __init__(self, airframe: Airframe, period: float, sink_max: float, scrape_max: float):
         read = airframe.fdm.get_property_value
         count = range(int(read("gear/num-units")))
         units = [f"{kind}/unit[{i}]" for i in count for kind in ("gear", "contact")]
@@ -35,36 +43,37 @@ class GroundContact:
         self.reach = -math.inf
         if not wheels or sink_max == scrape_max == math.inf:
             return
-        self.reach = _MARGIN + max(_distance(airframe, unit) for unit in units)
+        farthest = max(_distance(airframe, unit) for unit in units)
+        self.reach = _MARGIN + _FASTEST * period + farthest
         self._sink_max, self._scrape_max = sink_max, scrape_max
         self._on = [f"{unit}/WOW" for unit in wheels + others]
         self._depth = [f"{unit}/compression-ft" for unit in others]
         self._wheels = len(wheels)
         self._read = airframe.reader_of([_SINK, *self._on, *self._depth])
-        hdot, *touching = self._read()
-        # previous rate of climb, and the parts that have touched without interruption
-        self._hdot, self._touches = hdot, touching[: len(units)]
-        self._spared = [on != 0.0 for on in self._touches[self._wheels :]]
 
-    def broken(self) -> tuple[str, str, float] | None:
-        """Text of the violation, its property and the value; None if there is none."""
+    def look(self, before: Near | None) -> Near:
+        """What touches, ``before`` of one period earlier; None if that was out of reach."""
+        hdot, *values = self._read()
+        touches = values[: len(self._on)]
+        exempt = before[2] if before else [True] * len(touches)
+        return hdot, touches, [bool(a and b) for a, b in zip(exempt, touches, strict=True)]
+
+    def broken(self, before: Near) -> tuple[str, str, float] | None:
+        """Text of the violation in a period, its property and the value; None if there is none."""
         hdot, *values = self._read()
         n = len(self._on)
         touches, depths = values[:n], values[n:]
-        before, self._hdot = self._hdot, hdot
-        was, self._touches = self._touches, touches
+        sink, was, exempt = before
         if touches == was and not any(depths):
             return None
-        if any(now and not then for now, then in zip(touches, was, strict=True)):
+        if any(on and not then for on, then in zip(touches, was, strict=True)):
             # the sink rate before the contact: the ground has reduced it since
-            fastest = min(before, hdot)
+            fastest = min(sink, hdot)
             if -fastest > self._sink_max:
                 what = f"touched the ground faster than {self._sink_max:g} ft/s, rate of climb"
                 return what, _SINK, fastest
-        for i, depth in enumerate(depths):
-            self._spared[i] = self._spared[i] and touches[self._wheels + i] != 0.0
-            if depth > self._scrape_max and not self._spared[i]:
-                name = self._depth[i]
+        for name, depth, spared in zip(self._depth, depths, exempt[self._wheels :], strict=True):
+            if depth > self._scrape_max and not spared:
                 return f"touched the ground with a part that is not a wheel, {name}", name, depth
         return None
 

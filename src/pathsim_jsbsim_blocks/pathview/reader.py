@@ -14,6 +14,7 @@ import numpy as np
 from pathsim import Connection, Interface, Subsystem
 from pathsim.blocks import Block, StateSpace
 
+from .._core.own import editable
 from .._core.pathsim_internals import flies_matrices, own_events, port_names
 from .._seeding import draws_from_shared, is_random
 from .code import Code, Unwritable
@@ -213,7 +214,7 @@ class _Reader:
         for name in names:
             default = parameters[name].default if name in parameters else ...
             value, before = values.get(name, (default, default))
-            live = getattr(part.value, name, before)
+            live = editable(getattr(part.value, name, before))
             if name == "initial_value":
                 live = _state(part.value, live)
             if not same(live, before):  # changed since the part was built
