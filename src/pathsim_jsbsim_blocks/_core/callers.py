@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import inspect
 import logging
+import traceback
 import warnings
 import weakref
 from collections.abc import Iterator
 from types import FrameType
-from typing import Any, cast
+from typing import Any
 
 _OURS = (__name__.partition(".")[0], "pathsim")
 
@@ -26,13 +26,7 @@ def warn_user(message: str, *, once: bool = False) -> None:
 
 def frames() -> Iterator[FrameType]:
     """Frames of the callers, the innermost first, which contain the user's variables."""
-    return _outward(cast(FrameType, inspect.currentframe()).f_back)
-
-
-def _outward(frame: FrameType | None) -> Iterator[FrameType]:
-    while frame is not None:
-        yield frame
-        frame = frame.f_back
+    return (frame for frame, _ in traceback.walk_stack(None))
 
 
 def is_users(frame: FrameType) -> bool:

@@ -28,6 +28,7 @@ A signal into a subsystem reaches the blocks inside one evaluation late per leve
 
 from __future__ import annotations
 
+import inspect
 import math
 import sys
 import warnings
@@ -39,7 +40,7 @@ from weakref import WeakKeyDictionary
 from pathsim.events import Event, Schedule
 from pathsim.exceptions import LinearizationError
 
-from .callers import calling_simulation, depth_in_subsystems, frames, warn_user
+from .callers import calling_simulation, depth_in_subsystems, warn_user
 from .checks import number, positive, refuse
 from .continuous import Matrices, at_limit, continuous_equivalent
 from .parameters import Parametric
@@ -293,9 +294,9 @@ class SampledBlock(Block):
 
         PathSim has linearised the blocks before it; they are restored.
         """
-        for frame in frames():
-            if frame.f_code.co_name == "linearize":
-                frame.f_locals["self"].delinearize()
+        for caller in inspect.stack(context=0):
+            if caller.function == "linearize":
+                caller.frame.f_locals["self"].delinearize()
         raise LinearizationError(
             f"{type(self).__name__} is sampled and cannot run as a linear block: "
             "to_statespace gives the linear model of the diagram"
