@@ -14,10 +14,10 @@ import pathsim.solvers
 from .._core.checks import did_you_mean, nearest
 from ..errors import DiagramError
 from ..scripts.names import bound, used
+from .buses import BUSES, check_buses
 from .shape import Json, graphs, with_parts
 from .toolboxes import unknown_block
 
-BUSES = {"BusCreator", "BusSelector"}
 NUMBERS = ("duration", "dt", "atol", "rtol", "ftol", "dt_min", "dt_max")
 _EDITOR_BLOCKS = {"Subsystem", "Interface", *BUSES}
 
@@ -72,6 +72,7 @@ class ModelCheck:
             self._refuse(f"unknown solver {solver!r}" + did_you_mean(nearest(solver, solvers)))
         self._ids()
         self._graph(self.content["graph"], None)
+        check_buses(self.content["graph"], self._refuse)
         for event in self.content["events"]:
             self._event(event)
 

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DiagramError
-from .check import BUSES, NUMBERS, ModelCheck, compiling, complete
+from .buses import BUSES
+from .check import NUMBERS, ModelCheck, compiling, complete
 from .diagram import NOTE
 from .shape import Json, with_parts
 from .variables import printable, without_clashes
