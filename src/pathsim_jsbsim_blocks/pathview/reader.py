@@ -7,12 +7,12 @@ import builtins
 import inspect
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
 from pathsim import Connection, Interface, Subsystem
-from pathsim.blocks import Block, StateSpace
+from pathsim.blocks import Block, Function, StateSpace
 
 from .._core.own import editable
 from .._core.pathsim_internals import flies_matrices, own_events, port_names
@@ -21,7 +21,7 @@ from .code import Code, Unwritable
 from .diagram import Diagram, Event, Graph, Node, Part, Wire, ends
 from .expressions import same
 from .first_run import FirstRun, named_arguments
-from .settings import live_settings
+from .settings import fieldless, live_settings
 from .toolboxes import Toolbox, core_registry, toolbox_of, unknown_block
 from .variables import TAKEN, plain, prefix_inside, unique
 
@@ -128,6 +128,7 @@ class _Reader:
         if kind is Interface:
             return node
         if kind is Subsystem:
+            fieldless(self.script, block)
             inside = [block.interface, *block.blocks]
             node.graph = self._graph(inside, block.connections, own_events(block), part)
             # the two sides of the interface have the same ports
@@ -146,7 +147,9 @@ class _Reader:
 
     def _kind(self, block: Block) -> type[Block]:
         """The class for PathView: StateSpace if it lacks a linear block's class or state."""
-        kind = _built_in(type(block))
+        kind = _built_in(type(block), self.registry["blocks"])
+        if kind.__module__ == "pathsim.blocks.math" and kind.__name__ in _EXPRESSIONS:
+            return Function
         supported = kind.__name__ in self.registry["blocks"] or kind.__module__[:8] != "pathsim."
         stateless = "initial_value" not in _parameters(kind) and np.any(_states(block)[0])
         return StateSpace if flies_matrices(block) and (stateless or not supported) else kind
@@ -211,6 +214,9 @@ class _Reader:
                 self._refuse(part.value, reason)
         if "initial_value" not in names and not same(*_states(part.value)):
             self.lost.append(f"{self._called(part.value)} ({part.kind.__name__})")
+        if part.kind is Function and type(part.value) is not Function:
+            part.arguments["func"] = part.value  # written by its expression
+            return
         for name in names:
             default = parameters[name].default if name in parameters else ...
             value, before = values.get(name, (default, default))
@@ -224,6 +230,10 @@ class _Reader:
 
     def _expression(self, part: Part, name: str, value: Any) -> str:
         """An expression for a parameter, from the script if that gives the value."""
+        if part.kind is Function and type(part.value) is not Function:
+            text = _EXPRESSIONS[type(part.value).__name__]
+            numbers = {n: x for n, x in vars(part.value).items() if f"{{{n}}}" in text}
+            return text.format(**{n: self.code.parameter(x, n) for n, x in numbers.items()})
         node = self._node(part, name)
         what = f"parameter {name!r} of {self._called(part.value)}"
         if value is inspect.Parameter.empty:
@@ -342,9 +352,27 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
     return [names.get(i, f"{side[:-3]} {i}") for i in range(n)]
 
 
-def _built_in(kind: type[Block]) -> type[Block]:
-    """A class, or its base if it only adds ``__init__``: PathView may have the base."""
-    while not kind.__module__.startswith("pathsim.") and len(kind.__bases__) == 1:
+# blocks without memory that PathView lacks, as the function of a Function block
+_EXPRESSIONS = {
+    "Matrix": "lambda *u: tuple(np.dot({A}, u))",
+    "Norm": "lambda *u: np.linalg.norm(u)",
+    "PowProd": "lambda *u: np.prod(np.power(u, {exponents}))",
+    "Atan": "lambda *u: tuple(np.arctan(u))",
+    "Sinh": "lambda *u: tuple(np.sinh(u))",
+    "Cosh": "lambda *u: tuple(np.cosh(u))",
+}
+
+
+def _built_in(kind: type[Block], core: Collection[str]) -> type[Block]:
+    """A class, or its base if it only adds ``__init__``: PathView may have the base.
+
+    ``core`` names PathView's classes of PathSim.
+    """
+    while len(kind.__bases__) == 1:
+        if kind.__module__.startswith("pathsim.") and (
+            kind.__name__ in core or kind.__base__.__name__ not in core
+        ):
+            break  # PathView's own, or not an old name of one such as Step
         base = kind.__bases__[0]
         own = vars(kind).keys() - {"__init__", *vars(type("", (), {}))}
         if (

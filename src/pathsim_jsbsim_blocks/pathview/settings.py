@@ -6,7 +6,7 @@ import ast
 import inspect
 from typing import Any
 
-from pathsim import Simulation
+from pathsim import Simulation, Subsystem
 
 from .first_run import FirstRun, named_arguments
 
@@ -18,6 +18,18 @@ _PARAMETERS = {
     "atol": "tolerance_lte_abs",
     "ftol": "tolerance_fpi",
 }
+_STRUCTURE = ("blocks", "connections", "events")
+
+
+def fieldless(script: FirstRun, part: Simulation | Subsystem, *fields: str) -> None:
+    """Refuse a part with a parameter that has no field in PathView and not its default."""
+    kind = Simulation if isinstance(part, Simulation) else Subsystem
+    for name, parameter in inspect.signature(kind).parameters.items():
+        value = getattr(part, name, parameter.default)
+        if name not in (*_STRUCTURE, *fields) and value != parameter.default:
+            why = f"{name} = {value!r}, for which PathView has no field; only the default"
+            why = f"{script.called(part)} has {why} {parameter.default!r} can be in a model"
+            script.refuse(why, script.built_at(part))
 
 
 def live_settings(script: FirstRun) -> dict[str, tuple[Any, ast.expr | None]]:
@@ -26,6 +38,8 @@ def live_settings(script: FirstRun) -> dict[str, tuple[Any, ast.expr | None]]:
     PathView's defaults differ from PathSim's.
     """
     sim, begun = script.simulation, script.run_start
+    # a recorder of diagnostics changes no flight
+    fieldless(script, sim, *_PARAMETERS.values(), "Solver", "solver_kwargs", "log", "diagnostics")
     built = script.construction(sim)
     arguments = begun.arguments if begun else {"duration": script.namespace.get("DURATION")}
     if sim.engine.is_adaptive and arguments.get("adaptive") is False:

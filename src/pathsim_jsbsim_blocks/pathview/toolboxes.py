@@ -193,7 +193,9 @@ def required_toolboxes(content: Json, path: Path) -> list[Toolbox]:
 
 
 def unknown_block(name: str, registry: dict[str, dict[str, Any]]) -> str:
-    """Error text for an unknown block type."""
-    return f"PathView does not know the block {name!r}" + did_you_mean(
-        nearest(name, registry["blocks"])
-    )
+    """Error text for an unknown block type, with a toolbox of PathSim's project that has it."""
+    text = f"PathView does not know the block {name!r}"
+    for toolbox in _KNOWN:
+        if not toolbox.missing and name in toolbox.blocks():
+            return f"{text}; it is in {toolbox.package}: --toolbox {toolbox.package}"
+    return text + did_you_mean(nearest(name, registry["blocks"]))

@@ -183,12 +183,12 @@ def _ctrl_c_waits() -> Iterator[None]:
 
     At a terminal it reaches all processes; the caller ends the workers.
     """
-    from joblib.externals.loky.backend import resource_tracker
+    from multiprocessing import resource_tracker
 
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    resource_tracker.ensure_running()  # starting, it unblocks the signal
+    resource_tracker.ensure_running()  # loky needs it; started later, it would unblock the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
