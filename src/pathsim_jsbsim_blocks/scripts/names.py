@@ -82,12 +82,16 @@ def arguments(function: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> 
     return [*a.posonlyargs, *a.args, *a.kwonlyargs, *filter(None, (a.vararg, a.kwarg))]
 
 
-def own(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
-    """Nodes and what is in them, without the bodies of functions and classes."""
-    for node in nodes:
-        yield node
+def own(nodes: Iterable[ast.AST]) -> list[ast.AST]:
+    """Nodes and what is in them, in their order, without the bodies of functions and classes."""
+    every: list[ast.AST] = []
+    todo = [*nodes][::-1]
+    while todo:
+        node = todo.pop()
+        every.append(node)
         if not isinstance(node, (*_FUNCTIONS, ast.ClassDef)):
-            yield from own(ast.iter_child_nodes(node))
+            todo += [*ast.iter_child_nodes(node)][::-1]
+    return every
 
 
 def assignments(node: ast.AST) -> Iterator[tuple[ast.Name, ast.expr]]:

@@ -23,6 +23,7 @@ from .names import assignments, bound, own, used
 
 _NAME = re.compile(r"([A-Za-z_]\w*)(?:\.([A-Za-z_]\w*))?")
 _NUMBER = (ast.Expression, ast.Constant, ast.UnaryOp, ast.BinOp, ast.operator, ast.unaryop)
+_ASSIGNING = (ast.Assign, ast.AnnAssign, ast.NamedExpr)
 _BINDING = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.alias)
 _LITERAL = (*_NUMBER, ast.List, ast.Tuple, ast.Dict, ast.expr_context)
 
@@ -171,13 +172,14 @@ class Settings:
 
 def _constants(tree: ast.Module) -> dict[str, ast.expr]:
     """The expression assigned to each name that is bound exactly once, at the top level."""
-    times = Counter(n.id for n in own(tree.body) if isinstance(n, ast.Name) and _is_stored(n))
+    nodes = own(tree.body)
+    times = Counter([n.id for n in nodes if isinstance(n, ast.Name) and _is_stored(n)])
     other = {name for n in ast.walk(tree) if isinstance(n, ast.Global) for name in n.names}
-    other |= {name for n in own(tree.body) if isinstance(n, _BINDING) for name in bound([n])}
+    other |= {name for n in nodes if isinstance(n, _BINDING) for name in bound([n])}
     return {
         target.id: value
-        for node in own(tree.body)
-        if len(getattr(node, "targets", (1,))) == 1
+        for node in nodes
+        if isinstance(node, _ASSIGNING) and len(getattr(node, "targets", (1,))) == 1
         for target, value in assignments(node)
         if times[target.id] == 1 and target.id not in other
     }
@@ -186,9 +188,11 @@ def _constants(tree: ast.Module) -> dict[str, ast.expr]:
 def _calls(tree: ast.Module) -> dict[str, list[ast.Call]]:
     """The calls from which each variable is assigned, at any level."""
     calls: dict[str, list[ast.Call]] = {}
-    for target, value in (pair for node in ast.walk(tree) for pair in assignments(node)):
-        if isinstance(value, ast.Call):
-            calls.setdefault(target.id, []).append(value)
+    for node in ast.walk(tree):
+        if isinstance(node, _ASSIGNING):
+            for target, value in assignments(node):
+                if isinstance(value, ast.Call):
+                    calls.setdefault(target.id, []).append(value)
     return calls
 
 
