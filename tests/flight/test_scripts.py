@@ -292,8 +292,9 @@ FUNCTION = "<function><product><property>a/b</property><value>1</value></product
 
 # text of the file, and what the message names
 SCRIPTS = {
-    "wrong root": ("<initialize/>", "a reset file"),
-    "an aircraft": ("<fdm_config/>", "an aircraft"),
+    "wrong root": ("<initialize/>", "is a reset file .*, not a script: JSBSimFDM"),
+    "an aircraft": ("<fdm_config/>", "is an aircraft .*, not a script"),
+    "another root": ("<note/>", "is no file of JSBSim's .<note>.*script needs <runscript>"),
     "not XML": ("<runscript", "not well-formed"),
     "empty": ("", "not well-formed"),
     "no run": ('<runscript><use aircraft="c172x" initialize="reset00"/></runscript>', "<run>"),

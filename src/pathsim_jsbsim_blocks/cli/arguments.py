@@ -129,6 +129,17 @@ CONDITION = (
 )
 
 
+def is_jsbsim_script(name: str | Path, root: str | None) -> bool:
+    """Whether a file is a script of JSBSim; others have no use for ``--root``."""
+    from .._core.checks import refuse
+
+    if Path(name).suffix == ".xml":
+        return True
+    if root is not None:
+        refuse("root", root, "--root is for JSBSim scripts (.xml)")
+    return False
+
+
 def condition_of(args: argparse.Namespace) -> TrimCondition:
     from .._core.checks import refuse
     from ..flight.trimming.condition import TrimCondition

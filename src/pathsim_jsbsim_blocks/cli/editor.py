@@ -11,7 +11,17 @@ from pathlib import Path
 from typing import TypeVar
 
 from ..errors import UntrustedModelError
-from .arguments import TOOLBOX, TRUST, command, file, option, repeatable, switch
+from .arguments import (
+    ROOT,
+    TOOLBOX,
+    TRUST,
+    command,
+    file,
+    is_jsbsim_script,
+    option,
+    repeatable,
+    switch,
+)
 from .console import tell
 from .saving import check_file
 
@@ -106,14 +116,37 @@ def export(args: argparse.Namespace) -> None:
 
 
 @command(
-    "write a PathView model as a Python script",
-    file("model", ".pvm or .json"),
-    file("-o --output", "default is NAME.py beside the model, if that does not exist yet"),
+    "write a PathView model or a JSBSim script as a Python script",
+    file("model", "a model (.pvm or .json), or a JSBSim script (.xml)"),
+    file(
+        "-o --output",
+        "default is NAME.py beside the model, for a JSBSim script here, if it does not exist yet",
+    ),
+    ROOT,
     repeatable("--toolbox", "one that the model itself does not name", "PACKAGE[:IMPORT]"),
     TOOLBOX,
 )
 def convert(args: argparse.Namespace) -> None:
-    from ..pathview import convert_model
+    if is_jsbsim_script(args.model, args.root):
+        script = _convert_script(args.model, args.output, args.root)
+    else:
+        from ..pathview import convert_model
 
-    script = convert_model(args.model, args.output, args.toolbox, args.trust_toolbox)
+        script = convert_model(args.model, args.output, args.toolbox, args.trust_toolbox)
     print(f"script saved: {script}")
+
+
+def _convert_script(name: Path, output: Path | None, root: str | None) -> Path:
+    """Write the diagram that `run` flies for a JSBSim script."""
+    from .._core.checks import refuse
+    from .._core.files import replacing
+    from .script_diagram import diagram_of_script
+
+    check_file("output", output, ".py")
+    path, text = diagram_of_script(name, root)
+    script = output or Path(f"{path.stem}.py")
+    if output is None and script.exists():
+        refuse("output", str(script), f"{script} exists: name the script to write (-o FILE.py)")
+    with replacing(script) as part:
+        part.write_text(text, encoding="utf-8")
+    return script

@@ -6,6 +6,7 @@ import argparse
 import ast
 import contextlib
 import inspect
+import linecache
 import traceback
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
@@ -13,7 +14,18 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import BlocksError, ParameterError
-from .arguments import FIGURE, TOOLBOX, TRUST, command, file, number, option, repeatable
+from .arguments import (
+    FIGURE,
+    ROOT,
+    TOOLBOX,
+    TRUST,
+    command,
+    file,
+    is_jsbsim_script,
+    number,
+    option,
+    repeatable,
+)
 from .console import directory_is_gone, report, tell
 from .editor import asking
 from .plain import plain_text
@@ -46,7 +58,11 @@ def list_(args: argparse.Namespace) -> None:
 
 @command(
     "run a diagram: print its results and show its figures",
-    option("name", "a diagram of the catalogue, or the path of a script or a model (.pvm)"),
+    option(
+        "name",
+        "a diagram of the catalogue, or the path of a script, a model (.pvm) or a JSBSim script "
+        "(.xml, also below the JSBSim root: scripts/c1723.xml)",
+    ),
     repeatable(
         "--set",
         "build with another value: NAME is BLOCK.PARAMETER (hold.theta_ref=5) or a variable at the "
@@ -73,6 +89,7 @@ def list_(args: argparse.Namespace) -> None:
     ),
     TRUST,
     TOOLBOX,
+    ROOT,
 )
 def run(args: argparse.Namespace) -> int:
     from .._core.callers import keep_warnings_visible
@@ -85,18 +102,29 @@ def run(args: argparse.Namespace) -> int:
     settings, duration, source = _settings(args.set), args.duration, None
     if duration is not None:
         positive("duration", duration)
+    notices: contextlib.AbstractContextManager[None] = contextlib.nullcontext()
     # a script may change the directory
-    if Path(args.name).suffix in (".pvm", ".json"):
+    if is_jsbsim_script(args.name, args.root):
+        from .script_diagram import diagram_of_script, printed_notices
+
+        script, source = diagram_of_script(args.name, args.root)
+        notices = printed_notices()
+    elif Path(args.name).suffix in (".pvm", ".json"):
         script = Path(args.name).absolute()
         source = _code_of_model(script, args)
     else:
         script = _script(args.name).absolute()
+    if source is not None:
+        # so that tracebacks and warnings show the lines of the diagram
+        lines = source.splitlines(keepends=True)
+        linecache.cache[str(script)] = (len(source), None, lines, str(script))
     signals = signals_writer(args.csv, args.csv_rate)
     status, last = 0, deque[Any](maxlen=1)  # the last simulation run, maybe a function's variable
     try:
         with (
             saving_figures(args.save),
             main_program(script) as module,
+            notices,
             _tracking(args.track),
             with_progress(),
             _to_flightgear(args.flightgear),
@@ -159,18 +187,13 @@ def _settings(items: Sequence[str]) -> dict[str, Any]:
 
 def _code_of_model(path: Path, args: argparse.Namespace) -> str:
     """The script of a model, after checking that the user trusts it."""
-    import linecache
-
     from ..pathview import pvm
     from ..pathview.trusted_models import trusted
 
     def code(trust: bool) -> str:
         return trusted(pvm.read(path), path, trust, args.trust_toolbox)[1]
 
-    source = asking(code, args.trust)
-    # so that tracebacks show the lines of the script
-    linecache.cache[str(path)] = (len(source), None, source.splitlines(True), str(path))
-    return source
+    return asking(code, args.trust)
 
 
 def _telling_of_no_aircraft(args: argparse.Namespace) -> contextlib.AbstractContextManager[Any]:

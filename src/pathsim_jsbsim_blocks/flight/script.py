@@ -34,11 +34,15 @@ _LINEARISE = "simulation/do_linearization"
 _CONSOLE = "simulation/jsbsim-debug"
 _EVENTS_ONLY = (_RESET, _TRIM, _LINEARISE, _CONSOLE)
 
+# root elements of JSBSim's files: what each is, and how it is used
 _KINDS = {
-    "fdm_config": "an aircraft (pathsim-jsbsim aircraft NAME describes it)",
-    "initialize": "a reset file: JSBSimFDM(aircraft_model=NAME, initialize=FILE) starts from it, "
-    "TrimCondition.from_file(FILE, NAME) trims there",
-    "runscript": "a script: JSBSimFDM(script=FILE) flies it",
+    "runscript": ("a script", "JSBSimFDM(script=FILE) flies it"),
+    "initialize": (
+        "a reset file",
+        "JSBSimFDM(aircraft_model=NAME, initialize=FILE) starts from it, and "
+        "TrimCondition.from_file(FILE, NAME) trims there",
+    ),
+    "fdm_config": ("an aircraft", "pathsim-jsbsim aircraft NAME describes it"),
 }
 
 
@@ -122,6 +126,12 @@ class StartFile:
 
     def __str__(self) -> str:
         return f"{'script' if self.is_script else 'initialize'} {self.path.name}"
+
+    def name(self, root: str | None) -> str:
+        """The shortest name by which the file is found: below the JSBSim root, or its path."""
+        folder = _root(root)
+        inside = self.path.is_relative_to(folder)
+        return self.path.relative_to(folder).as_posix() if inside else str(self.path)
 
     def refuse(self, why: str) -> NoReturn:
         parameter = "script" if self.is_script else "initialize"
@@ -248,9 +258,8 @@ def _parsed(parameter: str, path: Path, tag: str) -> ET.Element:
         document = ET.parse(path).getroot()
         if document.tag == tag:
             return document
-        why = f"is not what {parameter} needs, <{tag}>: its element is <{document.tag}>"
-        if document.tag in _KINDS:
-            why += f", {_KINDS[document.tag]}"
+        kind, use = _KINDS.get(document.tag, ("no file of JSBSim's", f"{parameter} needs <{tag}>"))
+        why = f"is {kind} (<{document.tag}>), not {_KINDS[tag][0]}: {use}"
     except (ET.ParseError, ValueError, LookupError) as error:
         why = f"is not well-formed XML: {error}"
     except OSError as error:

@@ -1,0 +1,97 @@
+"""All scripts and reset files that jsbsim brings, flown by the block beside plain JSBSim."""
+
+import jsbsim
+import numpy as np
+import pytest
+from flown_scripts import OUTPUTS, bundled_reset_files, bundled_scripts, recorded, scripted
+from plain_jsbsim import flown_reset_file, flown_script
+
+from pathsim_jsbsim_blocks import JSBSimFDM, TrimCondition
+from pathsim_jsbsim_blocks.errors import BlocksError, ParameterError
+
+pytestmark = pytest.mark.long
+
+# at most, of a flight; some scripts have steps of a millisecond
+SECONDS, STEPS = 100.0, 12_000
+# with events later than that, s
+LONGER = {"c1722": 200.0, "c1723": 200.0, "c3101": 140.0, "c172_elevation_test": 400.0}
+LONGER |= {"ah1s_flight_test": 200.0, "ball_chute": 200.0}
+REFUSED = {
+    "737_cruise_steady_turn_linearize": "do_linearization in event 'Trim and linearize'.*allow_files",
+    "737_cruise_steady_turn_simplex": "'simulation/do_simplex_trim' .*do_simple_trim",
+}
+# the trim that the reset file asks for is that of JSBSim's command line
+TRIMMED_AT_START = ("B737_Runway", "b737_runway_new")
+
+
+def test_all_scripts_are_there():
+    assert len(bundled_scripts()) == 58
+    assert len(bundled_reset_files()) >= 19
+
+
+@pytest.mark.parametrize("name", [n for n in bundled_scripts() if n not in REFUSED])
+def test_a_script_flies_bit_for_bit_as_in_jsbsim(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = f"scripts/{name}.xml"
+    plane = scripted(path)
+    seconds = min(plane.duration, LONGER.get(name, min(SECONDS, STEPS * plane.T)))
+    rows = flown_script(path, OUTPUTS, seconds, trims=name in TRIMMED_AT_START)
+    flown = recorded(plane, seconds)
+    number = min(len(rows), len(flown))
+    np.testing.assert_array_equal(flown[:number], rows[:number])
+    if len(flown) < len(rows):
+        # the block ends a flight that is not finite
+        assert name == "ball_chute"
+        assert not np.isfinite(rows[len(flown)]).all()
+    plane.reset()
+    np.testing.assert_array_equal(
+        recorded(plane, min(seconds, 5.0)), flown[: round(5.0 / plane.T) + 1]
+    )
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_script_is_refused_for_its_reason(name):
+    with pytest.raises(BlocksError, match=REFUSED[name]):
+        JSBSimFDM(script=f"scripts/{name}.xml")
+
+
+def test_a_linearisation_is_made_where_files_are_allowed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = "scripts/737_cruise_steady_turn_linearize.xml"
+    flown = recorded(scripted(path, allow_files=True), 10.0)
+    assert list(tmp_path.iterdir()) != []
+    np.testing.assert_array_equal(flown, flown_script(path, OUTPUTS, 10.0)[: len(flown)])
+
+
+@pytest.mark.parametrize(("aircraft", "file"), bundled_reset_files())
+def test_a_reset_file_is_the_start_of_the_flight(aircraft, file):
+    plane = JSBSimFDM(aircraft_model=aircraft, initialize=file, output_properties=OUTPUTS)
+    rows, flown = flown_reset_file(aircraft, file, OUTPUTS, 5.0), recorded(plane, 5.0)
+    number = len(flown)
+    np.testing.assert_array_equal(flown, rows[:number])
+    if number < len(rows):
+        # the guards of the block: not finite, or under the ground
+        height = plane.airframe.fdm["position/h-agl-ft"]
+        assert height < -1.0 or not np.isfinite(rows[number]).all()
+
+
+@pytest.mark.parametrize(("aircraft", "file"), bundled_reset_files())
+def test_a_reset_file_in_mode_none_is_its_state(aircraft, file):
+    names = OUTPUTS[:11]
+    condition = TrimCondition.from_file(file, aircraft, mode="none")
+    plane = JSBSimFDM(aircraft_model=aircraft, condition=condition, output_properties=names)
+    fdm = jsbsim.FGFDMExec(None)
+    fdm.disable_input()
+    fdm.disable_output()
+    fdm.load_model(aircraft)
+    fdm.load_ic(file, True)
+    fdm.run_ic()
+    away = plane.outputs.to_array() - [fdm[name] for name in names]
+    away[-1] = (away[-1] + np.pi) % (2 * np.pi) - np.pi
+    np.testing.assert_allclose(away, 0.0, atol=1e-7)
+
+
+def test_what_is_that_of_the_file_is_not_changed():
+    with pytest.raises(ParameterError, match="that of the file"):
+        TrimCondition.from_file("cruise_init", "737", mode="none", latitude=3.0)
