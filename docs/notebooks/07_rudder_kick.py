@@ -12,7 +12,8 @@
 #
 # ![Two RampSources, Aircraft, Scope](figures/rudder_kick.svg)
 #
-# Two ramps: $u(t) = u_1\, t / t_r$ up to the rise time $t_r$ = 3 s, and $u_1$ from then on.
+# Two ramps: $u(t) = u_1\, t / t_r$ up to the rise time $t_r$ = 3 s, and $u_1$ from then on. JSBSim's own script of this manoeuvre
+# also flies here, as it is: `pathsim-jsbsim run scripts/rudder_kick.xml` ([JSBSim's scripts](../jsbsim-scripts.md)).
 
 # %%
 from pathsim_jsbsim_blocks import RampSource

@@ -43,7 +43,7 @@ def script(tmp_path_factory):
 
 def test_the_rudder_kick_is_jsbsims_own_script(script):
     states, commands = script
-    [code] = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
+    *_, code = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
     page = {}
     exec(compile(code, PAGE.name, "exec"), page)  # flies it
     _, flown = page["states"].read()

@@ -184,8 +184,9 @@ class Airframe(Powerplant):
         self._choose_outputs()
         for name, start in self.created.items():
             self.writer(name)(start)
-        self.script_run = None
-        self.run, self.sim_time = self.fdm.run, self.fdm.get_sim_time
+        self.script_run: ScriptRun | None = None
+        self.run: Callable[[], object] = self.fdm.run
+        self.sim_time: Callable[[], float] = self.fdm.get_sim_time
         if self.start is not None and self.start.is_script:
             self.script_run = ScriptRun(self.fdm, self.start.path.name)
             self.run, self.sim_time = self.script_run.step, self.script_run.time
