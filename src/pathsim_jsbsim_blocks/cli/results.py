@@ -29,7 +29,7 @@ from .saving import check_file, saving_figures
 
 
 @command(
-    "run a trim study: its table, its figure",
+    "run a study: its table, its figure",
     option("name", "which one; pathsim-jsbsim list has them all"),
     FIGURE,
     file("--csv", "write the table as CSV"),
@@ -60,7 +60,10 @@ def study(args: argparse.Namespace) -> None:
             refuse(name, options[name], why)
     with saving_figures(args.save):
         table = entry.table(**{x: options[x] for x in taken if options.get(x) is not None})
-        print(f"{args.name}: {table.trimmed.sum()} of {len(table)} points trim")
+        count = f"{len(table)} rows"
+        if "trimmed" in table:
+            count = f"{table.trimmed.sum()} of {len(table)} points trim"
+        print(f"{args.name}: {count}")
         if args.csv is not None:
             _save_table(table, args.csv)
         figure = entry.figure(table)

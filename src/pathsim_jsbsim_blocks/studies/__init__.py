@@ -5,6 +5,7 @@ Needs the extra ``studies``: ``pip install "pathsim-jsbsim-blocks[studies]"``.
 
 from .batch import run_batch
 from .branch import branch
+from .engine_failure import engine_failure, engine_failure_chart
 from .figures import (
     alpha_elevator_chart,
     climb_chart,
@@ -36,6 +37,8 @@ __all__ = [
     "branch",
     "climb_chart",
     "climb_schedule",
+    "engine_failure",
+    "engine_failure_chart",
     "envelope_map",
     "performance_chart",
     "performance_table",

@@ -1,4 +1,4 @@
-"""The published trim studies, each a function that returns its table.
+"""The published trim studies, each a function that returns its table, and the catalogue.
 
 They follow the notebooks of jsbsim-python-examples (De Marco, McLeod, da Silva), with their
 settings. Those loops take one step before some of the trims, which moves results by up to 1e-6.
@@ -16,6 +16,7 @@ import numpy as np
 from ..flight.airframe import Airframe
 from ..flight.model_files import empty_weight_cg
 from . import figures
+from .engine_failure import engine_failure, engine_failure_chart
 from .sweep import trim_sweep
 
 if TYPE_CHECKING:
@@ -264,6 +265,7 @@ STUDIES = {
     "aoa_vs_cas": Study(aoa_vs_cas, figures.alpha_elevator_chart),
     "aoa_vs_cas_loading": Study(aoa_vs_cas_loading, figures.alpha_elevator_chart),
     "climb_schedule": Study(climb_schedule, figures.climb_chart),
+    "engine_failure": Study(engine_failure, engine_failure_chart),
     "thrust_vectoring": Study(thrust_vectoring, figures.thrust_chart),
     "trim_envelope": Study(trim_envelope, figures.envelope_map),
 }
