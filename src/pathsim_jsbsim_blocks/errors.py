@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
@@ -13,7 +14,8 @@ class BlocksError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # the default pickles the message alone, and workers send errors back to the caller
-        return _restored, (type(self), self.args, self.__dict__)
+        data = {name: _sendable(value) for name, value in self.__dict__.items()}
+        return _restored, (type(self), self.args, data)
 
     def reworded(self: _Error, message: str, **changed: Any) -> _Error:
         """The same error with another message, and with the data in ``changed``."""
@@ -24,6 +26,15 @@ def _restored(kind: type[_Error], args: tuple[Any, ...], data: dict[str, Any]) -
     error = kind.__new__(kind, *args)
     error.__dict__.update(data)
     return error
+
+
+def _sendable(value: Any) -> Any:
+    """A value, or its text if it cannot be pickled: a refused function, say."""
+    try:
+        pickle.dumps(value)
+    except Exception:
+        return repr(value)
+    return value
 
 
 class ParameterError(BlocksError, ValueError):

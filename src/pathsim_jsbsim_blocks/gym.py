@@ -32,6 +32,7 @@ from ._core.checks import (
     refuse,
 )
 from ._core.extras import required
+from ._core.own import own
 from ._core.pathsim_internals import port_names, port_number, port_reader, show, values
 from ._core.running import SteppedRun
 from ._core.wiring import contents, warn_of_wiring
@@ -243,6 +244,8 @@ class DiagramEnv(gymnasium.Env):
         """
         self._pieces = None
         super().reset(seed=seed)
+        if options and not self._vary:
+            refuse("options", options, "this environment has nothing to vary: make_env(vary=...)")
         chosen = {
             one_of("options", n, self._vary): v for n, v in mapping("options", options).items()
         }
@@ -431,7 +434,8 @@ def make_env(
         port, an adaptive solver, a ``step`` that is not a multiple of ``dt``, and a simulation
         that is an environment already
     """
-    options = {n: v for n, v in locals().items() if n not in ("diagram", "settings")}
+    # copies: resets read them again
+    options = {n: own(v) for n, v in locals().items() if n not in ("diagram", "settings")}
     if not action or not observation:
         refuse("action", action, "an environment needs at least one action and one observation")
     chosen = mapping("settings", settings)

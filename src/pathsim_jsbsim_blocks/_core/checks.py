@@ -43,7 +43,7 @@ def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
     return list(dict.fromkeys([*holds[:n], *held, *(spelt[x] for x in close)]))[:n]
 
 
-# other names of ports, in lower case
+# other names of ports and parameters, in lower case
 _CALLED = {
     "theta": "pitch pitch_angle",
     "phi": "roll bank roll_angle bank_angle",
@@ -65,6 +65,7 @@ _CALLED = {
     "temperature": "t",
     "speed_of_sound": "a",
     "viscosity": "mu",
+    "step": "width",  # of a pulse, in s, as the other sources call it
 }
 
 
@@ -89,7 +90,7 @@ def refuse_unknown(
     parameters = list(parameters)
     for name, value in values.items():
         if name not in parameters:
-            hint = did_you_mean(nearest(name, parameters))
+            hint = did_you_mean(nearest_ports(name, parameters))
             if not hint and name in ports:
                 hint = f": {name!r} is an input port; connect a signal to it"
             hint = hint or f"; it has {', '.join(parameters) or 'none'}"
@@ -248,7 +249,8 @@ def ending(parameter: str, path: Path, *endings: str) -> Path:
 
 def name_list(parameter: str, names: Any, requirement: str = "a list of names") -> list[Any]:
     """``names``, a list, tuple or array, as a list; numpy strings become Python's."""
-    if isinstance(names, str) or not isinstance(names, (Sequence, np.ndarray)):
+    listed = isinstance(names, Sequence) or (isinstance(names, np.ndarray) and names.ndim)
+    if isinstance(names, str) or not listed:
         must_be(parameter, names, requirement)
     return list(map(plain_name, names))
 

@@ -147,6 +147,8 @@ class DaveModel:
                 close = did_you_mean(nearest(name, ids))
                 refuse(name, value, f"{self.path.name} has no input {name!r}{close}")
             by_id[ids[name]] = value
+        if missing := [name for name, x in by_id.items() if x is None]:
+            refuse(missing[0], None, f"{self.path.name}: missing input {', '.join(missing)}")
         values = [number(f"{self.path.name}: the input {n!r}", x) for n, x in by_id.items()]
         return dict(zip(self.variables, map(float, self._evaluated(values)), strict=True))
 

@@ -37,7 +37,7 @@ from ..errors import AircraftError
 from .console import SEALED_PATH, capture_console, failure_of, never_free
 from .flightgear import address, directive
 from .integrators import integrator_properties
-from .model_files import ModelFile
+from .model_files import ModelFile, default_root
 from .planet import gravity_properties, planet_xml
 from .powerplant import Powerplant
 from .script import ScriptRun, StartFile
@@ -120,7 +120,7 @@ class Airframe(Powerplant):
         self._files = flag("allow_files", allow_files)
         self._flightgear = optional("flightgear", flightgear, of=address)
         self._cg = None if empty_cg_x is None else number("empty_cg_x", empty_cg_x)
-        self._creates_missing = create == "missing"
+        self._creates_missing = isinstance(create, str) and create == "missing"
         if isinstance(create, str) and not self._creates_missing:
             must_be("create", create, "a dict of names and values, or 'missing'")
         values = {} if self._creates_missing else mapping("create", create)
@@ -229,7 +229,9 @@ class Airframe(Powerplant):
         """Load the model after creating properties; return why it failed, or an empty text."""
         capture_console()
         self._xml = self._file.xml
-        self.fdm = jsbsim.FGFDMExec(None if self.root is None else os.fspath(self.root))
+        self.fdm = jsbsim.FGFDMExec(os.fspath(default_root() if self.root is None else self.root))
+        if self.root is None:
+            self.fdm.set_output_path(os.getcwd())
         # the constructor sets the level from JSBSIM_DEBUG
         jsbsim.FGJSBBase().debug_lvl = 0
         if not self._network:

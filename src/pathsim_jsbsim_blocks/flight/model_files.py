@@ -16,10 +16,14 @@ from ..errors import AircraftError, FileError
 from .model_xml import ModelXml, XmlError
 
 
+def default_root() -> Path:
+    """The JSBSim root beside the module: JSBSim itself looks only in Python's own folders."""
+    return Path(jsbsim.__file__).parent
+
+
 def _aircraft_folder(root: str | None = None, aircraft: str = "") -> Path:
     """The folder with the aircraft models below a JSBSim root (default: jsbsim's own)."""
-    root = jsbsim.get_default_root_dir() if root is None else root
-    folder = as_path("root", root) / "aircraft"
+    folder = as_path("root", default_root() if root is None else root) / "aircraft"
     # os.path, because a name too long for the system is an error of Path's
     if not os.path.isdir(folder):
         raise AircraftError(f"no folder {str(folder)!r} with aircraft models", aircraft=aircraft)
@@ -103,11 +107,13 @@ class ModelFile:
     @contextlib.contextmanager
     def staged(self, x: float) -> Iterator[str]:
         """Context with an aircraft path to a copy of the model: empty-weight CG at ``x``, in."""
-        with tempfile.TemporaryDirectory(
-            prefix="jsbsim-aircraft-", ignore_cleanup_errors=True
-        ) as stage:
-            copy = Path(stage, self.aircraft, self.path.name)
+        with contextlib.ExitStack() as stack:
             try:
+                folder = tempfile.TemporaryDirectory(
+                    prefix="jsbsim-aircraft-", ignore_cleanup_errors=True
+                )
+                stage = stack.enter_context(folder)
+                copy = Path(stage, self.aircraft, self.path.name)
                 shutil.copytree(self.path.parent, copy.parent)
                 with self.faults():
                     model = self.xml.at_cg(x)

@@ -21,7 +21,7 @@ import jsbsim
 from .._core.callers import warn_user
 from .._core.checks import as_path, did_you_mean, nearest, refuse
 from ..errors import AircraftError
-from .model_files import ModelFile
+from .model_files import ModelFile, default_root
 from .model_xml import names_in
 from .property_tree import PropertyTree
 from .writable import why_not
@@ -249,7 +249,7 @@ def _reset_path(parameter: str, name: str, folder: Path, place: str = "") -> Pat
 
 
 def _root(root: str | None) -> Path:
-    return Path(jsbsim.get_default_root_dir() if root is None else root).absolute()
+    return Path(default_root() if root is None else root).absolute()
 
 
 def _parsed(parameter: str, path: Path, tag: str) -> ET.Element:

@@ -70,7 +70,7 @@ class AltitudeHold(GuidedHold):
     """
 
     gains: Gains = "c172p"
-    h_ref: float | None = parameter(None, optional)
+    h_ref: float | None = parameter(None, optional, low=-2000.0, high=1e6)
     hdot_max: float | None = parameter(None, optional, above=0.0)
     theta_min: float = parameter(-10.0, number, low=-90.0, high=90.0)
     theta_max: float | None = parameter(None, optional, low=-90.0, high=90.0)

@@ -198,7 +198,7 @@ class Autopilot(GuidedHold):
 
     gains: Gains = "c172p"
     theta_ref: float | None = parameter(None, optional, low=-90.0, high=90.0)
-    h_ref: float | None = parameter(None, optional)
+    h_ref: float | None = parameter(None, optional, low=-2000.0, high=1e6)
     phi_ref: float | None = parameter(None, optional, low=-90.0, high=90.0)
     psi_ref: float | None = parameter(None, optional, of=heading)
     vc_ref: float | None = parameter(None, optional, above=0.0)
@@ -214,7 +214,7 @@ class Autopilot(GuidedHold):
     reference: ReferenceKind = parameter("increment", reference_kind)
     alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
     hdot_ref: float | None = parameter(None, optional)
-    thr_ref: float | None = parameter(None, optional)
+    thr_ref: float | None = parameter(None, optional, low=-1.0, high=1.0)
 
     measured = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc")
     # no warning for an unconnected rudder: an aircraft may have its own yaw damper

@@ -341,7 +341,7 @@ def check_condition(condition: Any) -> None:
 
 
 def _indices(parameter: str, value: Any) -> tuple[int, ...]:
-    if isinstance(value, str) or not np.iterable(value):
+    if isinstance(value, (str, bytes, bytearray)) or not np.iterable(value):
         must_be(parameter, value, "'all' or a list of engines from 0")
     return tuple(sorted({integer(parameter, i, low=0) for i in value}))
 
