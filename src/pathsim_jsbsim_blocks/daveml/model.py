@@ -148,7 +148,8 @@ class DaveModel:
                 refuse(name, value, f"{self.path.name} has no input {name!r}{close}")
             by_id[ids[name]] = value
         if missing := [name for name, x in by_id.items() if x is None]:
-            refuse(missing[0], None, f"{self.path.name}: missing input {', '.join(missing)}")
+            why = f"{self.path.name}: missing input {', '.join(map(repr, missing))}"
+            refuse(f"{self.path.name}: the input {missing[0]!r}", None, why)
         values = [number(f"{self.path.name}: the input {n!r}", x) for n, x in by_id.items()]
         return dict(zip(self.variables, map(float, self._evaluated(values)), strict=True))
 
