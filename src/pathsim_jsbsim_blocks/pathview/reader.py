@@ -314,7 +314,7 @@ class _Reader:
         owners = {name: toolbox for name, (_, toolbox) in self.types.items()}
         toolboxes = sorted({t for t in owners.values() if t}, key=lambda t: t.package)
         for order in itertools.permutations(toolboxes):
-            resolved = {name: toolbox for toolbox in order for name in toolbox.blocks()}
+            resolved = {name: t for t in order for name in owners if t.block(name)}
             if all(resolved.get(name) == toolbox for name, toolbox in owners.items()):
                 return list(order)
         names = " and ".join(t.package for t in toolboxes)
@@ -369,9 +369,8 @@ def _built_in(kind: type[Block], core: Collection[str]) -> type[Block]:
     ``core`` names PathView's classes of PathSim.
     """
     while len(kind.__bases__) == 1:
-        if kind.__module__.startswith("pathsim.") and (
-            kind.__name__ in core or kind.__base__.__name__ not in core
-        ):
+        of_pathsim = kind.__module__.startswith("pathsim.")
+        if of_pathsim and (kind.__name__ in core or kind.__base__.__name__ not in core):
             break  # PathView's own, or not an old name of one such as Step
         base = kind.__bases__[0]
         own = vars(kind).keys() - {"__init__", *vars(type("", (), {}))}
@@ -380,7 +379,7 @@ def _built_in(kind: type[Block], core: Collection[str]) -> type[Block]:
             or base is Block
             or any(hasattr(base, n) for n in own)
             or own & _parameters(base).keys()
-            or toolbox_of(kind)
+            or (not of_pathsim and toolbox_of(kind))
         ):
             break
         kind = base

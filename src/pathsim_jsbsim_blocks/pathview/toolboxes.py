@@ -56,21 +56,25 @@ class Toolbox:
 
     def blocks(self) -> dict[str, type[Block]]:
         """Its blocks by class name, found by PathView's own rule: public, and defined there."""
+        blocks = filter(None, map(self.block, dir(self._module())))
+        return {block.__name__: block for block in blocks}
+
+    def block(self, name: str) -> type[Block] | None:
+        """Its block of a public name; of a package whose names load one by one, no other loads."""
+        module = self._module()
+        value = getattr(module, name, None) if name in dir(module) else None
+        if name.startswith("_") or not isinstance(value, type) or not issubclass(value, Block):
+            return None
+        return value if f"{value.__module__}.".startswith(f"{module.__name__}.") else None
+
+    def _module(self) -> Any:
         try:
-            module = importlib.import_module(self.import_path)
+            return importlib.import_module(self.import_path)
         except (Exception, SystemExit) as error:
             why = f"cannot be imported: {type(error).__name__}: {error}"
             if isinstance(error, ImportError):
                 why = f"is not installed ({error}); pip install {self.package}"
             refuse("toolbox", self.package, f"toolbox {self.package!r} {why}")
-        public = (getattr(module, name) for name in dir(module) if not name.startswith("_"))
-        return {
-            value.__name__: value
-            for value in public
-            if isinstance(value, type)
-            and issubclass(value, Block)
-            and f"{value.__module__}.".startswith(f"{module.__name__}.")
-        }
 
     def requirement(self) -> dict[str, Any]:
         """Its entry in a model, without the version: the same script gives the same file."""
@@ -122,7 +126,7 @@ def toolbox_of(block: type[Block]) -> Toolbox | None:
         if not packages:
             return None
         candidate = Toolbox(packages[0], ".".join(parts[:n]))
-        if candidate.blocks().get(block.__name__) is block:
+        if candidate.block(block.__name__) is block:
             return candidate
     return None
 
@@ -196,6 +200,6 @@ def unknown_block(name: str, registry: dict[str, dict[str, Any]]) -> str:
     """Error text for an unknown block type, with a toolbox of PathSim's project that has it."""
     text = f"PathView does not know the block {name!r}"
     for toolbox in _KNOWN:
-        if not toolbox.missing and name in toolbox.blocks():
+        if not toolbox.missing and toolbox.block(name):
             return f"{text}; it is in {toolbox.package}: --toolbox {toolbox.package}"
     return text + did_you_mean(nearest(name, registry["blocks"]))
