@@ -6,7 +6,8 @@ and three airspeeds, where it trims there, in
 the designed ones of these aircraft are called `AIRCRAFT-designed`.
 
 With ``--limits`` the limits of the envelope are measured anew, and the tables keep their gains.
-With ``--yaw`` only the gains of the rudder are designed anew, for aircraft with several engines.
+With ``--yaw`` only the gains of the rudder are designed anew, for aircraft with several engines;
+with ``--speed`` only the airspeed loops.
 With ``--fly`` the steps are flown with the existing tables, for
 the tables of `docs/evidence`; with ``--off`` at other airspeeds, altitudes and fuel;
 with ``--cruise`` those of airliners at cruise altitudes; with ``--slow`` slowly near the ground;
@@ -32,7 +33,13 @@ from pathsim_jsbsim_blocks.design import (
 )
 from pathsim_jsbsim_blocks.design.designed import plant_model
 from pathsim_jsbsim_blocks.design.envelope import envelope
-from pathsim_jsbsim_blocks.design.outer import design_rudder, design_yaw
+from pathsim_jsbsim_blocks.design.outer import (
+    design_rudder,
+    design_speed,
+    design_yaw,
+    speed_report,
+    with_altitude,
+)
 from pathsim_jsbsim_blocks.design.plant import Plant
 from pathsim_jsbsim_blocks.design.requirements import (
     ALTITUDE_KEPT,
@@ -44,6 +51,7 @@ from pathsim_jsbsim_blocks.design.requirements import (
 )
 from pathsim_jsbsim_blocks.design.search import PITCH, ROLL, Neighbours, closed
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
+from pathsim_jsbsim_blocks.design.turbulence import in_turbulence
 from pathsim_jsbsim_blocks.errors import BlocksError, DesignError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names, level_flight, trim
 
@@ -197,6 +205,41 @@ def yaw(names):
                 }
         document["yaw"] = f"designed again at {len(known)} of {len(rows)} points, the rest kept"
         rewrite(path, document)
+
+
+def speed(names):
+    """Design the airspeed loops of the designed tables anew; all but Kc is that of the table."""
+    for name in names or aircraft_names():
+        path = table_of(name)
+        if not path.exists():
+            continue
+        document = json.loads(path.read_text(encoding="utf-8"))
+        gains, report = speed_of(name)
+        for point in document["points"]:
+            point["gains"]["speed"] |= rounded(replace(gains, Kc=point["gains"]["speed"]["Kc"]))
+        row = document["points"][document["nominal"]]["report"]
+        row["speed"] = {k: x for k, x in rounded(report).items() if x != math.inf}
+        if report.relaxed:
+            row["speed"]["relaxed"] = report.relaxed
+        rewrite(path, document)
+
+
+def speed_of(name):
+    """The airspeed loop at the nominal point of a table and its report, within the other loops."""
+    schedule, condition, create, _ = nominal(name)
+    gains = schedule.points[schedule.nominal].gains
+    plane = Aircraft(name, condition=condition, create=create)
+    model = plant_model(plane)
+    rough = in_turbulence(Plant.of(model), model, condition.altitude)
+    plant = closed(rough, PITCH, gains.pitch, "theta_cmd")
+    room = -plane.trim.throttle[0], 1.0 - plane.trim.throttle[0]
+    loop = design_speed(plant, condition.speed, room, gains.speed.Kc, altitude=gains.altitude)
+    size = STEP_REQUIREMENTS["speed"].size
+    down = no_throttle(
+        lambda at: Aircraft(name, condition=at, create=create), condition, plane.trim
+    )
+    step = -size if down else size
+    return loop, speed_report(with_altitude(plant, gains.altitude), loop, room, step)
 
 
 def place(point):
@@ -761,6 +804,7 @@ if __name__ == "__main__":
     do.add_argument("--off", dest="do", action="store_const", const=fly_off)
     do.add_argument("--limits", dest="do", action="store_const", const=limits)
     do.add_argument("--yaw", dest="do", action="store_const", const=yaw)
+    do.add_argument("--speed", dest="do", action="store_const", const=speed)
     do.add_argument("--cruise", dest="do", action="store_const", const=fly_cruise)
     do.add_argument("--slow", dest="do", action="store_const", const=fly_slow)
     do.add_argument("--airspeed", dest="do", action="store_const", const=fly_airspeed)

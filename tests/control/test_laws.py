@@ -30,6 +30,7 @@ from equations import (
     seen,
     wander,
 )
+from scipy.signal import lfilter
 
 from pathsim_jsbsim_blocks import (
     AirspeedHold,
@@ -51,6 +52,9 @@ GAINS = {
     "speed": SPEED,
     "yaw": {"K": 0.02},
 }
+
+# of a lag of 2 s
+POLE = math.exp(-T / 2.0)
 
 
 @pytest.mark.parametrize("target", [None, 1.0])
@@ -74,8 +78,26 @@ def test_attitude_holds(wires, hold, sign, y, rate, actuator, target):
     assert_same(laws(block, **wires), {actuator: u, f"{y}_cmd": reference}, limits)
 
 
+def without_gusts(wires):
+    """The complementary airspeed, from vectors in body axes."""
+    alpha, beta, theta, phi = (np.radians(wires[x]) for x in ("alpha", "beta", "theta", "phi"))
+    ca, sa, cb, sb = np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta)
+    path = np.array([ca * cb, sb, sa * cb])
+    force = np.array([wires["nx"], NOTHING, -wires["nz"]])
+    ct = np.cos(theta)
+    weight = np.array([-np.sin(theta), np.sin(phi) * ct, np.cos(phi) * ct])
+    # 1.68781 ft/s per kt cancels in vc / vt
+    along = G * np.sum((force + weight) * path, axis=0) * wires["vc"] / wires["vt"]
+    v, found = wires["vc"][0], np.empty(N)
+    for k, vc in enumerate(wires["vc"]):
+        found[k] = clip(v, vc - 8.0, vc + 4.0)
+        v += T * (along[k] + (vc - v) / 10.0)
+    return found
+
+
 @pytest.mark.parametrize("target", [None, 91.0])
-def test_airspeed_hold(wires, target):
+@pytest.mark.parametrize("connected", ["", "climb", "climb and motion"])
+def test_airspeed_hold(wires, target, connected):
     limits = (-0.15, 0.1)
     block = AirspeedHold(gains=SPEED, authority=limits, T=T, vc_ref=target)
     pi = PI(
@@ -84,20 +106,37 @@ def test_airspeed_hold(wires, target):
         high=limits[1],
     )
     # errors of up to 16 kt
+    names = "vc", "hdot", "vc_ref", "off", "thr_sat"
     wires = wires | {"vc": 90.0 + 3.0 * (wires["vc"] - 90.0)}
+    ports, airspeed, climb = {name: wires[name] for name in names}, wires["vc"], wires["hdot"]
+    rng = np.random.default_rng(6)
+    if connected:
+        ports["hdot_cmd"] = wander(rng, 4.0)
+        # the first sample has the measured rate of climb, then a lag of 2 s begins there
+        climb = lfilter([0.0, 1.0 - POLE], [1.0, -POLE], ports["hdot_cmd"], zi=[climb[0]])[0]
+    if "motion" in connected:
+        angles = {"alpha": 4.0, "beta": 0.0, "theta": 5.0, "phi": 0.0}
+        ports |= {name: wander(rng, 2.0, mean) for name, mean in angles.items()}
+        ports |= {"nx": wander(rng, 0.05), "nz": wander(rng, 0.1, 1.0), "vt": NOTHING + 165.0}
+        airspeed = without_gusts(ports)
+        differences = airspeed - wires["vc"]
+        assert np.max(differences) == pytest.approx(4.0)
+        assert np.min(differences) == pytest.approx(-8.0)
     u, reference = on_a_ramp(
         pi,
         SPEED["ramp"],
         target,
-        wires["vc"],
+        airspeed,
         wires["off"],
         port=wires["vc_ref"],
         sat=wires["thr_sat"],
-        feed=SPEED["Kc"] * wires["hdot"],
+        feed=SPEED["Kc"] * climb,
         seen=seen,
     )
-    assert np.abs(wires["vc"] - reference).max() > 8.0
-    assert_same(laws(block, **wires), {"throttle": u, "vc_cmd": reference}, limits)
+    ours = laws(block, **ports)
+    assert ours["throttle"] == pytest.approx(u, abs=1e-9)
+    assert ours["vc_cmd"] == pytest.approx(reference, abs=1e-9)
+    assert limits[0] <= np.min(u) < np.max(u) <= limits[1]
 
 
 @pytest.mark.parametrize(
@@ -386,7 +425,7 @@ def test_the_autopilot_is_the_holds(wires, inner):
     ]
     several = {"hdot_cmd": NOTHING, "captured": NOTHING}
     for off, hold in holds:
-        several |= laws(hold, **(steady | {"off": offs[off]}))
+        several |= laws(hold, **(steady | {"hdot_cmd": several["hdot_cmd"], "off": offs[off]}))
     assert set(one) == set(several)
     for name, signal in several.items():
         assert np.array_equal(one[name], signal), name

@@ -35,10 +35,13 @@ def held(plant, gains):
 
 
 def flown(wind, omega, gains):
-    """Complex amplitudes of the outputs per ft/s of a wind that oscillates."""
+    """Complex amplitudes of the outputs per ft/s of a wind that oscillates.
+
+    The gains have no envelope, so no protection acts.
+    """
     plane, autopilot = Aircraft("c172p", **POINT), Autopilot(gains=gains, T=T)
     ports, names = autopilot.input_port_labels, list(Aircraft.output_port_labels)
-    wired = [(ports[name], i) for i, name in enumerate(names) if name in ports and name != "alpha"]
+    wired = [(ports[name], i) for i, name in enumerate(names) if name in ports]
     period = round(2 * np.pi / omega / T)
     # what begins with the wind has decayed
     n = round(40.0 / T) + 2 * period
@@ -155,8 +158,23 @@ def test_the_law_of_the_throttle_is_an_output(rough):
     plant = outer.with_speed(rough, gains)
     omega = np.array([0.05, 0.3])
     y = plant.response(omega, "elevator")
+    climb = plant.response(omega, "hdot_cmd")
     s = 1j * omega
     # the continuous law
     law = gains.Kp + gains.Ki / s + gains.Kd * s / (gains.Tf * s + 1.0)
-    expected = gains.Kc * y["hdot"] - law * y["vc"]
-    assert y["throttle"] == pytest.approx(expected, rel=0.01)
+    assert y["throttle"] == pytest.approx(-law * y["vc"], rel=0.01)
+    # the commanded rate of climb is fed forward behind a lag of 2 s
+    expected = gains.Kc / (2.0 * s + 1.0) - law * climb["vc"]
+    assert climb["throttle"] == pytest.approx(expected, rel=0.01)
+
+
+def test_the_throttle_follows_the_aircraft_and_not_the_gust(rough):
+    omega = np.array([0.02, 0.1, 1.0])
+    y = rough.response(omega, "along")
+    u = y["airspeed"] - y["vc"]
+    # u with a corner of V / L, behind a high-pass of 10 s, in kt of calibrated airspeed: 90 KCAS
+    # are 163.6 ft/s at 5000 ft (ISA)
+    corner, s = 163.6 / 1750.0, 1j * omega
+    size = dryden_field(5000.0).sigma_u * np.sqrt(2.0 * corner) * 90.0 / 163.6
+    expected = size / (s + corner) * 10.0 * s / (10.0 * s + 1.0)
+    assert u == pytest.approx(expected, rel=0.01)

@@ -113,16 +113,21 @@ def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, sign, angl
 
 def test_a_closed_speed_loop_is_the_law_that_is_flown(plant):
     gains = SpeedGains(Kp=0.04, Ki=0.002, Kd=-0.02, Tf=0.5, b=1.0, ramp=1e6, Kc=0.004)
-    law, state = SpeedLoop(T, gains, FAR), SpeedLoop.START
+    law, state, climb = SpeedLoop(T, gains, FAR), SpeedLoop.START, 0.0
 
     def fly_law(k, y):
-        nonlocal state
-        target = 2.0 if k else 0.0
-        command, _, state = law.sample(state, y["vc"], y["hdot"], target, 0.0, 0.0, False)
+        nonlocal state, climb
+        target, hdot_cmd = (2.0, 3.0) if k else (0.0, 0.0)
+        command, _, state = law.sample(state, y["vc"], climb, target, 0.0, 0.0, False)
+        climb = law.follow(climb, hdot_cmd)
         return command
 
     expected = law_flown(plant, "throttle", fly_law, 1200)
-    found = stepped(outer.with_speed(plant, gains), "vc_cmd", 2.0, 1200)
+    closed = outer.with_speed(plant, gains)
+    u = np.zeros((1200, len(closed.inputs)))
+    u[1:, closed.inputs.index("vc_cmd")] = 2.0
+    u[1:, closed.inputs.index("hdot_cmd")] = 3.0
+    found = fly(closed, u)
     # the filter of the acceleration starts with the first sample
     assert found[:, : len(OUTPUTS)] == pytest.approx(expected, abs=2e-3)
 

@@ -223,18 +223,25 @@ class SpeedLoop:
 
     START = ReferenceLoop.START
 
+    LAG = 2.0  # s, of the commanded rate of climb
+
     def __init__(
         self, T: float, gains: SpeedGains, authority: tuple[float, float], carry: bool = False
     ):
         low, high = authority
         self.pid = PID(T, low=low, high=high, carry=carry)
         self.loop = ReferenceLoop(self.pid, gains.ramp)
+        self._lag = -math.expm1(-T / self.LAG)
         self.retune(gains)
 
     def retune(self, gains: SpeedGains) -> None:
         self.pid.retune(gains.Kp, gains.Ki, Kd=gains.Kd, b=gains.b, Tf=gains.Tf)
         self.loop.ramp, self.loop.band = gains.ramp, gains.band
         self.Kc = gains.Kc
+
+    def follow(self, climb: float, hdot_cmd: float) -> float:
+        """The rate of climb to feed forward next, from the present one and the commanded one."""
+        return climb + self._lag * (hdot_cmd - climb)
 
     def sample(
         self,
@@ -250,9 +257,10 @@ class SpeedLoop:
     ) -> tuple[float, float, ReferenceState]:
         """Throttle increment, reference in kt and next state; as in `ReferenceLoop`.
 
-        ``boost`` is added to the throttle and integrated as an error would be, because it removes
-        the error that the integral needs; not at the aircraft's limit. ``feed`` is added without
-        being integrated.
+        ``hdot`` is the rate of climb to feed forward: the commanded one, because rising air raises
+        the measured one, but requires less throttle. ``boost`` is added to the throttle and
+        integrated as an error would be, because it removes the error that the integral needs; not
+        at the aircraft's limit. ``feed`` is added without being integrated.
         """
         rest = sat - clip(sat, min(boost, 0.0), max(boost, 0.0))
         u, reference, state = self.loop.sample(

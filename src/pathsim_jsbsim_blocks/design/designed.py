@@ -393,6 +393,7 @@ def _speed_and_altitude(
     altitude, climbing = design_altitude(with_speed(plant, speed), ramp, hdot_max, room, neighbours)
     if not math.isfinite(climbing.settling):
         raise Unstable("altitude", "no gains of the altitude loop settle a step")
+    speed = design_speed(plant, trim.speed, room, feed, neighbours, altitude)
     quick = speed_report(with_altitude(plant, altitude), speed, room, step)
     altitude = replace(altitude, theta_max=max(req.THETA_MAX, trim.theta + req.NOSE_UP))
     return speed, quick, altitude, climbing

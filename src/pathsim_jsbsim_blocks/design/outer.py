@@ -13,6 +13,7 @@ from scipy.signal import fftconvolve
 
 from .._core.units import GRAVITY
 from ..control.gains import AltitudeGains, HeadingGains, SpeedGains, YawGains
+from ..control.loops import SpeedLoop
 from ..linear.stability import LoopMargins, loop_margins
 from . import requirements as req
 from .plant import OMEGA, Law, Plant, integral
@@ -31,7 +32,7 @@ from .search import (
     step_quality,
     tracked,
 )
-from .turbulence import Rough, at_a_stop, moved
+from .turbulence import AIR, Rough, at_a_stop, moved
 
 # periods of the loop in one step of a slow response, to save time
 _COARSE = 6
@@ -282,55 +283,87 @@ def design_heading(
     )
 
 
-SPEED = Loop("speed", "throttle", "vc", "hdot", STEP_REQUIREMENTS["speed"])
+SPEED = Loop("speed", "throttle", "vc", "climb", STEP_REQUIREMENTS["speed"])
 
 
-def speed_law(T: float, Kp: Any, Ki: Any, Kd: Any, Kc: Any, Tf: float = SpeedGains.Tf) -> Law:
-    """The law at the throttle."""
-    slope = -math.expm1(-T / Tf) / T
-    return Law({"vc": (Kp, Ki, Kd * slope), "hdot": (-Kc,)}, Tf)
+def with_climb(plant: Plant) -> Plant:
+    """The plant with the input ``hdot_cmd`` and, behind the lag of `SpeedLoop`, ``climb``."""
+    if "climb" in plant.outputs:
+        return plant
+    return plant.lagged("hdot_cmd", "climb", SpeedLoop.LAG)
+
+
+def speed_law(plant: Plant, gains: SpeedGains) -> Law:
+    """The law at the throttle: in turbulence it follows the airspeed without gusts."""
+    slope = -math.expm1(-plant.T / gains.Tf) / plant.T
+    airspeed = "airspeed" if "airspeed" in plant.outputs else "vc"
+    return Law({airspeed: (gains.Kp, gains.Ki, gains.Kd * slope), "climb": (-gains.Kc,)}, gains.Tf)
 
 
 def with_speed(plant: Plant, gains: SpeedGains) -> Plant:
     """The plant with the airspeed loop closed; the throttle becomes an output."""
-    law = speed_law(plant.T, gains.Kp, gains.Ki, gains.Kd, gains.Kc, gains.Tf)
+    plant, law = with_climb(plant), speed_law(plant, gains)
     return plant.close("throttle", law, ("vc_cmd", gains.Kp * gains.b, gains.Ki), "throttle")
 
 
+# from the fastest to the slowest, rad/s
+_SPEED_CROSSOVERS = np.geomspace(*req.SPEED_CROSSOVERS[::-1], 25)
+
+
 def design_speed(
-    plant: Plant, vc: float, room: tuple[float, float], Kc: float, neighbours: Neighbours = ALONE
+    plant: Plant,
+    vc: float,
+    room: tuple[float, float],
+    Kc: float,
+    neighbours: Neighbours = ALONE,
+    altitude: AltitudeGains | None = None,
 ) -> SpeedGains:
-    """Throttle from airspeed and rate of climb: one loop for all conditions of an aircraft.
+    """Throttle from airspeed: one loop for all conditions of an aircraft.
 
     .. math::
         \\dot V = a \\, u - d \\, V, \\qquad
         K_p = \\frac{\\omega_c}{a}, \\qquad K_i = \\frac{K_p}{T_i}
 
-    with the slopes of `level_slopes`. Within its range, the crossover is that at which an error of
-    12 kt uses the remaining throttle. The weight b of the reference cancels the slower pole of the
-    closed loop; otherwise the airspeed would overshoot. ``plant`` has the pitch angle held, ``vc``
-    is the airspeed in KCAS, ``room`` the minimum and maximum throttle increment, ``Kc`` the
-    feed-forward of the rate of climb. If there are neighbours, all gains but ``Kc`` are theirs.
+    with the slopes of `level_slopes`. The crossover is the highest within its range at which the
+    throttle's rms in moderate turbulence is at most a third of the smaller distance to a stop, with
+    the ``altitude`` held, and Kp at most 0.032 per kt. Without these gains, or for a plant without
+    turbulence, it is 0.12 rad/s. The weight b of the reference cancels the slower pole of the
+    closed loop; otherwise the airspeed would overshoot.
+
+    ``plant`` has the pitch angle held, ``vc`` is the airspeed in KCAS, ``room`` the minimum and
+    maximum throttle increment, ``Kc`` the feed-forward of the rate of climb. If there are
+    neighbours, all gains but ``Kc`` are theirs.
     """
     for gains in neighbours.gains:
         if gains.speed is not None:
             return replace(gains.speed, Kc=Kc)
     thrust, drag = level_slopes(plant)
-    slowest, fastest = req.SPEED_CROSSOVERS
-    crossover = min(max(thrust * min(-room[0], room[1]) / req.GUST, slowest), fastest)
-    Kp, Ti, half = crossover / thrust, req.SPEED_TIME, 0.5 * (crossover + drag)
-    slower = half - math.sqrt(max(half * half - crossover / Ti, 0.0))
-    if not min(thrust, slower) > 0.0:
-        raise Unstable("speed", "the throttle cannot hold the airspeed of level flight")
-    return SpeedGains(
-        Kp=Kp,
-        Ki=Kp / Ti,
-        Kd=-Kp * SpeedGains.Tf,
-        b=min(1.0 / (Ti * slower), 1.0),
-        ramp=max(req.SPEED_RAMP, vc / req.SPEED_RAMP_TIME),
-        Kc=Kc,
-        band=req.GUST,
-    )
+
+    def shaped(crossover: float) -> SpeedGains:
+        Kp, Ti, half = crossover / thrust, req.SPEED_TIME, 0.5 * (crossover + drag)
+        slower = half - math.sqrt(max(half * half - crossover / Ti, 0.0))
+        if not min(thrust, slower) > 0.0:
+            raise Unstable("speed", "the throttle cannot hold the airspeed of level flight")
+        return SpeedGains(
+            Kp=Kp,
+            Ki=Kp / Ti,
+            Kd=-Kp * SpeedGains.Tf,
+            b=min(1.0 / (Ti * slower), 1.0),
+            ramp=max(req.SPEED_RAMP, vc / req.SPEED_RAMP_TIME),
+            Kc=Kc,
+            band=req.GUST,
+        )
+
+    if altitude is None or AIR[0] not in plant.inputs:
+        return shaped(req.SPEED_CROSSOVER)
+    plant, limit = with_altitude(plant, altitude), req.THROTTLE_IN_TURBULENCE
+    for crossover in _SPEED_CROSSOVERS:
+        gains = shaped(crossover)
+        _, moves = moved(plant, speed_law(plant, gains), "throttle")
+        quiet = moves["throttle"] <= limit * min(-room[0], room[1])
+        if quiet and gains.Kp <= req.THROTTLE_PER_KNOT:
+            break
+    return gains
 
 
 def level_slopes(plant: Plant) -> tuple[float, float]:
@@ -350,7 +383,8 @@ def speed_report(
     plant: Plant, gains: SpeedGains, room: tuple[float, float], step: float
 ) -> LoopReport:
     """Margins, and a ``step`` in kt; ``plant`` has the altitude held, and may have turbulence."""
-    L, moves = moved(plant, speed_law(plant.T, gains.Kp, gains.Ki, gains.Kd, gains.Kc), "throttle")
+    plant = with_climb(plant)
+    L, moves = moved(plant, speed_law(plant, gains), "throttle")
     margins, zero = loop_margins(OMEGA, L[None]), np.zeros(1)
     if requirement_met(margins)[0] == len(MARGINS):
         raise Unstable("speed", "no gains of the throttle hold the airspeed")
@@ -401,8 +435,14 @@ def altitude_law(Kp: Any, Ki: Any, Kh: Any) -> Law:
 
 
 def with_altitude(plant: Plant, gains: AltitudeGains) -> Plant:
-    """The plant with the altitude loop closed, without the input ``theta_cmd``."""
-    return plant.close("theta_cmd", altitude_law(gains.Kp, gains.Ki, gains.Kh))
+    """The plant with the altitude loop closed, without the inputs ``theta_cmd``, ``hdot_cmd``."""
+    climbing = with_climb(plant).close("hdot_cmd", climb_law(gains.Kh))
+    return climbing.close("theta_cmd", altitude_law(gains.Kp, gains.Ki, gains.Kh))
+
+
+def climb_law(Kh: Any) -> Law:
+    """The law from altitude to the commanded rate of climb, which the throttle's loop uses too."""
+    return Law({"h": (Kh,)})
 
 
 def _altitude_candidates(plant: Plant, neighbours: Neighbours) -> np.ndarray:
@@ -433,8 +473,10 @@ def design_altitude(
     ft/s, ``room`` the throttle's minimum and maximum increment.
     """
     gains, required = _altitude_candidates(plant, neighbours), STEP_REQUIREMENTS["altitude"]
-    Kp, Ki, Kh = gains
-    L, moves = moved(plant, altitude_law(*gains[:, :, None]), "theta_cmd", "h", "theta", "throttle")
+    plant, (Kp, Ki, Kh) = with_climb(plant), gains
+    law, climb = altitude_law(*gains[:, :, None]), climb_law(gains[2][:, None])
+    outputs = "h", "theta", "throttle"
+    L, moves = moved(plant, law, "theta_cmd", *outputs, inner=("hdot_cmd", climb))
     rough = Rough(moves["h"], moves["theta"], at_a_stop(moves["throttle"], room))
     margins = loop_margins(OMEGA, L)
     level = requirement_met(margins)
@@ -504,12 +546,14 @@ def _climbs(
     total, cmd, peak = np.zeros((3, len(Kh)))
 
     def law(k: int, y: np.ndarray) -> np.ndarray:
-        error = np.minimum(np.maximum(Kh * (step - y[0]), -hdot_max), hdot_max) - y[1]
+        climb = np.minimum(np.maximum(Kh * (step - y[0]), -hdot_max), hdot_max)
+        error = climb - y[1]
         cmd[:] += np.minimum(np.maximum(Kp * error + total - cmd, -step_max), step_max)
         total[:] += Ki * p.T * error
         np.maximum(peak, np.abs(cmd), out=peak)
-        return cmd
+        return np.array([cmd, climb])
 
     seconds = 80.0 + 1.3 * step / hdot_max
-    y = p.steps("theta_cmd", ("h", "hdot", "vc"), law, len(Kh), seconds)
+    inputs = "theta_cmd", "hdot_cmd"
+    y = p.steps(inputs, ("h", "hdot", "vc"), law, len(Kh), seconds)
     return y[:, 0] - step, np.abs(y[:, 2]).max(axis=0), peak

@@ -146,9 +146,18 @@ class Plant:
             C, outputs = np.vstack([C, u]), [*outputs, command]
         return Plant(A[:size], B[:size], C, inputs, outputs, T)
 
+    def lagged(self, input_: str, output: str, tau: float) -> Plant:
+        """The plant with a further input and, behind a lag of ``tau`` s, a further output of it."""
+        n, m, k = *self.B.shape, len(self.C)
+        A, B, C = np.zeros((n + 1, n + 1)), np.zeros((n + 1, m + 1)), np.zeros((k + 1, n + 1))
+        A[:n, :n], B[:n, :m], C[:k, :n] = self.A, self.B, self.C
+        A[n, n], C[k, n] = math.exp(-self.T / tau), 1.0
+        B[n, m] = 1.0 - A[n, n]
+        return Plant(A, B, C, [*self.inputs, input_], [*self.outputs, output], self.T)
+
     def steps(
         self,
-        input_: str,
+        inputs: str | tuple[str, ...],
         outputs: Sequence[str],
         law: Callable[[int, np.ndarray], np.ndarray | float],
         loops: int,
@@ -156,17 +165,19 @@ class Plant:
     ) -> np.ndarray:
         """Outputs of many loops over time, shape (samples, outputs, loops).
 
-        ``law`` returns the commands of all loops from the sample number and the outputs.
+        ``law`` returns the commands of all loops from the sample number and the outputs: an array
+        of shape (loops,), or (inputs, loops) for several inputs.
         """
         rows = np.array([self.row(name) for name in outputs])
-        moves = np.column_stack([self.A, self.column(input_)])
-        # the command is the last row of the state, so that one product advances all loops
-        n, x = len(self.A), np.zeros((len(self.A) + 1, loops))
+        names = [inputs] if isinstance(inputs, str) else inputs
+        moves = np.column_stack([self.A, *(self.column(name) for name in names)])
+        # the commands are the last rows of the state, so that one product advances all loops
+        n, x = len(self.A), np.zeros((len(self.A) + len(names), loops))
         y = np.empty((round(seconds / self.T), len(rows), loops))
         with np.errstate(over="ignore", invalid="ignore"):
             for k in range(len(y)):
                 y[k] = rows @ x[:n]
-                x[n] = law(k, y[k])
+                x[n:] = law(k, y[k])
                 x[:n] = moves @ x
         return y
 

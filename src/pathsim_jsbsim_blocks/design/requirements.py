@@ -79,6 +79,11 @@ MAX_SIDESLIP, MAX_SECONDS_AT_A_STOP = 1.0, 1.0
 ALTITUDE_IN_TURBULENCE, PITCH_IN_TURBULENCE, STOP_IN_TURBULENCE = 60.0, 5.0, 0.05
 PITCH_AIM, STOP_AIM = 0.75, 0.2
 
+# rms of the throttle in moderate turbulence, as a fraction of the smaller distance to a stop; and
+# throttle per airspeed, 1/kt: in gusts beyond the limits of `ComplementaryAirspeed` the throttle
+# follows the measured airspeed, and travels by 1.5 times this each second
+THROTTLE_IN_TURBULENCE, THROTTLE_PER_KNOT = 1.0 / 3.0, 0.032
+
 # load factor increment of a moving pitch reference, g, and the limits of its rate, deg/s
 RAMP_LOAD, RAMP_LOW, RAMP_HIGH = 0.7, 2.0, 6.0
 
@@ -95,13 +100,14 @@ BANK = 25.0
 # maximum commanded rate of climb: ft/s, and as a fraction of the excess climb
 CLIMB, CLIMB_OF_EXCESS = 25.0, 0.8
 
-# airspeed error that may use all of the remaining throttle, kt; a larger one is a gust, and its
-# excess counts less
+# airspeed error beyond which an excess counts less, kt
 GUST = 12.0
 
-# airspeed loop: minimum and maximum crossover, rad/s; Kp / Ki, s; minimum rate of its reference,
-# kt/s; time in which the reference changes by the airspeed if that is faster, s
-SPEED_CROSSOVERS, SPEED_TIME, SPEED_RAMP, SPEED_RAMP_TIME = (0.15, 0.4), 25.0, 1.0, 225.0
+# airspeed loop: minimum and maximum crossover, and that without a model of turbulence, rad/s;
+# Kp / Ki, s; minimum rate of its reference, kt/s; time in which the reference changes by the
+# airspeed if that is faster, s
+SPEED_CROSSOVERS, SPEED_CROSSOVER = (0.09, 0.3), 0.12
+SPEED_TIME, SPEED_RAMP, SPEED_RAMP_TIME = 25.0, 1.0, 225.0
 
 # fraction of the maximum lift at which the angle of attack is limited, and the maximum limit, deg;
 # minimum airspeed over that of level flight at this angle
@@ -137,6 +143,9 @@ _FURTHER = f"""
 | maximum altitude error in moderate turbulence | {ALTITUDE_IN_TURBULENCE:g} ft | |
 | pitch angle in moderate turbulence | {PITCH_IN_TURBULENCE:g} deg rms | |
 | throttle at a stop in moderate turbulence | {STOP_IN_TURBULENCE:.0%} of the time | |
+| throttle in moderate turbulence, of the smaller distance to a stop \
+| {THROTTLE_IN_TURBULENCE:.2g} rms | |
+| throttle per airspeed | {THROTTLE_PER_KNOT:g} 1/kt | |
 | damping ratio of the Dutch roll | {DUTCH_ROLL:g} | |
 | divergence that is left to the outer loops | {DIVERGENCE:g} 1/s | |
 | rudder for {YAW_RATE:g} deg/s of yaw and {SIDESLIP:g} deg of sideslip, of its remaining travel \
@@ -157,7 +166,7 @@ _FURTHER = f"""
 | rate of climb whose feed-forward is the remaining throttle | {RISE:g} ft/s, \
 or {RISE_OF_EXCESS:g} times the excess if less, but at least {LEAST_RISE:g} ft/s |
 | step up of the airspeed in the design, of the remaining throttle | {THROTTLE_USE:g} |
-| airspeed error that uses the remaining throttle, and counts in full | {GUST:g} kt |
+| airspeed error that counts in full | {GUST:g} kt |
 | crossover of the airspeed loop, and its Kp / Ki \
 | {SPEED_CROSSOVERS[0]:g} to {SPEED_CROSSOVERS[1]:g} rad/s, {SPEED_TIME:g} s |
 | rate of its reference | {SPEED_RAMP:g} kt/s, or the airspeed in {SPEED_RAMP_TIME:g} s |

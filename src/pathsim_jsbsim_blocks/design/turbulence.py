@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import trapezoid
 from scipy.special import ndtr
 
+from ..control.airspeeds import ComplementaryAirspeed
 from ..linear.model import LinearModel
 from ..wind import dryden_field
 from . import requirements as req
@@ -30,13 +32,18 @@ def in_turbulence(plant: Plant, model: LinearModel, altitude: float) -> Plant:
     with u along the flight path and w up. Both are noise through a first-order lag, of L / V and
     L / 2V, with the rms and the lengths of `dryden_field`, as in JSBSim's MIL-spec turbulence.
 
+    A further output, "airspeed", is that of `ComplementaryAirspeed`, without limits: it has the
+    motion of the air only behind a lag.
+
     If the model lacks one of these states, or has states that appear in no output, the effect of
     the air is unknown and the plant is returned unchanged.
     """
-    n, T = len(plant.A), plant.T
-    states = list(model.states)
+    T, states = plant.T, list(model.states)
     if "x1" in states or not {"vt", "alpha", "h"} <= set(states):
         return plant
+    per_speed = plant.row("vc")[states.index("vt")]
+    plant = _with_airspeed(plant, per_speed)
+    n = len(plant.A)
     vt = float(model.x0[states.index("vt")])
     field = dryden_field(altitude)
     rate = np.array([vt / field.L_u, 2.0 * vt / field.L_w])
@@ -48,12 +55,23 @@ def in_turbulence(plant: Plant, model: LinearModel, altitude: float) -> Plant:
     moves[states.index("vt"), 0] = -1.0
     moves[states.index("alpha"), 1] = math.degrees(1.0 / vt)
     rise[states.index("h"), 1] = T
+    rise[n - 1, 0] = T / ComplementaryAirspeed.TIME
     m = plant.B.shape[1]
     A = np.block([[plant.A, moves * (fade - 1.0) + rise], [np.zeros((2, n)), np.diag(fade)]])
     B = np.block([[plant.B, moves * enters], [np.zeros((2, m)), np.diag(enters)]])
     C = np.hstack([plant.C, np.zeros((len(plant.C), 2))])
     C[plant.outputs.index("hdot"), n + 1] = 1.0
+    C[plant.outputs.index("airspeed"), n] = per_speed
     return Plant(A, B, C, [*plant.inputs, *AIR], plant.outputs, T)
+
+
+def _with_airspeed(plant: Plant, per_speed: float) -> Plant:
+    """The plant with the output "airspeed" in air at rest, and a state for u behind its lag."""
+    A = np.pad(plant.A, (0, 1))
+    A[-1, -1] = 1.0 - plant.T / ComplementaryAirspeed.TIME
+    B, row = np.pad(plant.B, ((0, 1), (0, 0))), np.append(plant.row("vc"), -per_speed)
+    C = np.vstack([np.pad(plant.C, ((0, 0), (0, 1))), row])
+    return Plant(A, B, C, plant.inputs, [*plant.outputs, "airspeed"], plant.T)
 
 
 def rms(omega: np.ndarray, *responses: np.ndarray) -> np.ndarray:
@@ -62,13 +80,28 @@ def rms(omega: np.ndarray, *responses: np.ndarray) -> np.ndarray:
     return np.sqrt(trapezoid(power, omega, axis=-1) / np.pi)
 
 
+Responses = dict[str, np.ndarray]
+
+
+def within(y: Responses, g: Responses, law: Law, T: float, names: Iterable[str]) -> Responses:
+    """Some of the responses ``y``, with a law closed around the input with responses ``g``."""
+    u = law.of(y, T) / (1.0 + law.of(g, T))
+    return {name: y[name] - g[name] * u for name in names if name in y}
+
+
 def moved(
-    plant: Plant, law: Law, input_: str, *outputs: str
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Loops L of laws at an input; rms of it and of outputs, 0 if the plant lacks the output."""
+    plant: Plant, law: Law, input_: str, *outputs: str, inner: tuple[str, Law] | None = None
+) -> tuple[np.ndarray, Responses]:
+    """Loops L of laws at an input; rms of it and of outputs, 0 if the plant lacks the output.
+
+    ``inner`` are another input and the laws around it.
+    """
     g = plant.response(OMEGA, input_)
-    L = law.of(g, plant.T)
     air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
+    if inner:
+        h, around = plant.response(OMEGA, inner[0]), inner[1]
+        g, *air = (within(y, h, around, plant.T, {*law.gains, *outputs}) for y in (g, *air))
+    L = law.of(g, plant.T)
     moves = [-law.of(gust, plant.T) / (1.0 + L) for gust in air]
     signals = {input_: moves}
     for name in outputs:

@@ -26,6 +26,9 @@ _FASTEST = 5000.0  # ft/s; a greater speed means that the receiver was tuned to 
 _AWAY = 135.0  # heading off the course beyond which the aircraft flies away, deg
 _ON_COURSE = 5.0  # intercept angle that counts as on the course line, deg
 _ON_GLIDE_PATH = 0.35  # deviation in deg: half of full scale on an ILS indicator
+# height above the threshold below which the sink rate is limited, ft, and its maximum over the
+# path's: a steep sink would begin the flare too fast
+_LOW, _STEEPER = 300.0, 1.2
 
 
 class BeamState(NamedTuple):
@@ -191,7 +194,8 @@ class GlideslopeHold(GuidedHold):
     ``from_above`` is set, at most 0.35 deg above the path. For the flare, connect a ``FlareHold``
     after it. With ``alpha`` and ``vc`` connected the angle of attack stays below its maximum and
     the airspeed above its minimum: a path that the thrust cannot sustain is left, with the nose
-    down and ``captured`` 0.
+    down and ``captured`` 0. Below 300 ft above the threshold the commanded sink rate is at most 1.2
+    times the path's, and at most ``sink_max``.
 
     Parameters
     ----------
@@ -214,6 +218,8 @@ class GlideslopeHold(GuidedHold):
     from_above : bool
         capture the path from above too, at any height, with a sink rate ``hdot_max`` above the
         path's
+    sink_max : float
+        maximum sink rate below 300 ft, ft/s: that of the ``FlareHold`` after it
 
     Inputs
     ------
@@ -262,6 +268,7 @@ class GlideslopeHold(GuidedHold):
     T: float = parameter(1 / 120, positive)
     alpha_max: float | None = parameter(None, optional, above=0.0, high=90.0)
     from_above: bool = parameter(False, flag)
+    sink_max: float = parameter(math.inf, number, above=0.0, infinite=True)
 
     measured = ("h", "hdot", "lat", "lon", "theta", "q")
     commands = {"elevator": "off"}
@@ -294,7 +301,9 @@ class GlideslopeHold(GuidedHold):
             else:
                 speed = abs(rate) if speed is None else speed + self._gain * (abs(rate) - speed)
         dist = -away if state.captured and rate < 0.0 else away
-        if not received:
+        if received:
+            height = above + dist * self._slope
+        else:
             height = h - self._checked.elevation
             degrees, above = above_path(height, dist + self._foot, self._checked.angle)
 
@@ -303,7 +312,7 @@ class GlideslopeHold(GuidedHold):
         allowed, guard = vertical.guard(before, now, vc, full_throttle=True)
         initial, error = vertical.altitude.error(before.altitude, h, (None, 0.0))
         level = vertical.altitude.climb_rate(error)
-        descent, lower = self._descent(above, speed or 0.0, level)
+        descent, lower = self._descent(above, speed or 0.0, level, height)
         # a rate of 0 means that the closing speed has not been measured yet
         reached = lower and rate > 0.0 and (self._checked.from_above or degrees <= _ON_GLIDE_PATH)
         # below a path that requires more thrust than available
@@ -317,13 +326,18 @@ class GlideslopeHold(GuidedHold):
             GlideslopeState(away, speed, captured, VerticalState(altitude, pitch, guard, cut)),
         )
 
-    def _descent(self, above: float, speed: float, level: float) -> tuple[float, bool]:
+    def _descent(
+        self, above: float, speed: float, level: float, height: float
+    ) -> tuple[float, bool]:
         """Rate of climb that follows the path, ft/s, and whether it is at most ``level``."""
         altitude, sink = self.vertical.altitude, speed * self._slope
         # an upward correction limited to less than the sink could never fly level below the path
         highest = max(altitude.hdot_max, sink)
         correction = -altitude.Kh * above
-        return clip(correction, -altitude.hdot_max, highest) - sink, correction - sink <= level
+        rate = clip(correction, -altitude.hdot_max, highest) - sink
+        if height < _LOW:
+            rate = max(rate, -min(_STEEPER * sink, self._checked.sink_max))
+        return rate, correction - sink <= level
 
     def _needed(self) -> tuple[str, ...]:
         # a receiver requires all three connections, and replaces the position

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from .._core.checks import heading, number, optional, positive
 from .._core.parameters import parameter
 from .._core.ports import numbered
+from ..control.airspeeds import ComplementaryAirspeed
 from ..control.controller import Authority, ReferenceKind, authority_limits, reference_kind
 from ..control.gains import Gains
 from ..control.loops import (
@@ -61,6 +62,8 @@ class AutopilotInputs(NamedTuple):
     thr_ref: float
     h_agl: float
     vt: float
+    nx: float
+    nz: float
 
 
 class LeverState(NamedTuple):
@@ -81,6 +84,8 @@ class AutopilotState(NamedTuple):
     climb: ClimbState = ClimbState()
     pitched: ReferenceState = SpeedOnPitchLoop.START  # airspeed loop of the elevator
     lever: LeverState = LeverState()
+    airspeed: float = ComplementaryAirspeed.START  # kt
+    rate: float = 0.0  # rate of climb to feed forward, ft/s
 
 
 @fill
@@ -181,6 +186,9 @@ class Autopilot(GuidedHold):
     vt
         true airspeed in ft/s, to estimate the bank of straight flight, after an engine failure for
         example; if not connected (0), that bank is the gain table's
+    nx, nz
+        load factors in g: with ``alpha`` and ``vt`` connected, the throttle follows the airspeed
+        without gusts, as in ``AirspeedHold``
 
     Outputs
     -------
@@ -239,6 +247,7 @@ class Autopilot(GuidedHold):
         self.heading = HeadingLoop(T, heading, c.bank_max)
         self.roll = attitude_loop(T, roll, c.aileron_authority, carry=carry)
         self.speed = SpeedLoop(T, speed, c.throttle_authority, carry)
+        self.airspeed = ComplementaryAirspeed(T)
         self.yaw = YawLoop(T, yaw, c.rudder_authority)
         level = self.vertical.altitude
         self.on_pitch = SpeedOnPitchLoop(T, speed.ramp, level.pid.low, level.theta_max)
@@ -246,7 +255,7 @@ class Autopilot(GuidedHold):
         self.follows(speed=self.speed, **lateral, **self.vertical.loops)
 
     def law(self, u: list[float], state: AutopilotState) -> tuple[list[float], AutopilotState]:
-        now = AutopilotInputs(*u[:30])
+        now = AutopilotInputs(*u[:32])
         h, vc, alpha = now.h, now.vc, now.alpha
         pitching, pitch_off = now.pitch_mode != 0.0, now.pitch_off != 0.0
         self.retune(vc, h)
@@ -256,9 +265,16 @@ class Autopilot(GuidedHold):
         captured = mode == state.climb.mode and state.climb.captured
         on_pitch = mode == 2.0 and not captured and not pitch_off
 
+        airspeed, inertial = self.airspeed.sample(
+            state.airspeed, vc, now.nx, now.nz, alpha, now.beta, now.theta, now.phi, now.vt
+        )
+        # a held pitch angle has no commanded rate of climb
+        measures = pitching or pitch_off
+        feed = now.hdot if measures or not state.speed.law.sampled else state.rate
+
         # one airspeed reference, whichever of throttle and elevator holds it
         engaged = state.pitched if state.pitched.law.engaged else state.speed
-        vc_cmd = self.speed.loop.reference(engaged, vc)
+        vc_cmd = self.speed.loop.reference(engaged, airspeed)
         allowed, guard = vertical.guard(
             before,
             motion,
@@ -269,9 +285,10 @@ class Autopilot(GuidedHold):
             phi=now.phi,
             h_agl=now.h_agl,
             eases=mode == 0.0 or captured,
+            airspeed=airspeed,
         )
         throttle, vc_cmd, rate, speed, pitched, lever = self._airspeed(
-            state, now, engaged, allowed, on_pitch
+            state, now, engaged, allowed, on_pitch, airspeed, feed
         )
 
         protection = vertical.protection(alpha)
@@ -306,6 +323,8 @@ class Autopilot(GuidedHold):
             climb=climb,
             pitched=pitched,
             lever=lever,
+            airspeed=inertial,
+            rate=feed if measures else self.speed.follow(feed, hdot_cmd),
         )
         return [*outputs, float(climb.captured)], state
 
@@ -316,18 +335,22 @@ class Autopilot(GuidedHold):
         engaged: ReferenceState,
         allowed: Allowed,
         on_pitch: bool,
+        airspeed: float,
+        feed: float,
     ) -> tuple[float, float, Reference, ReferenceState, ReferenceState, LeverState]:
         """Throttle increment, airspeed reference in kt, commanded rate of climb, and next states.
 
-        The throttle holds the airspeed or, while ``on_pitch``, the elevator by a rate of climb.
+        The throttle holds ``airspeed``, which is without gusts, with the rate of climb ``feed`` fed
+        forward. While ``on_pitch``, the elevator holds the measured airspeed by a rate of climb.
         """
         h, hdot, vc, off = now.h, now.hdot, now.vc, now.speed_off != 0.0
-        target, keeps = self.speed.loop.towards(engaged, vc, self.wanted("vc_ref", now.vc_ref, vc))
+        wanted = self.wanted("vc_ref", now.vc_ref, vc)
+        target, keeps = self.speed.loop.towards(engaged, airspeed, wanted)
         target = self.airspeed_within(allowed, target, vc)
         throttle, vc_cmd, speed = self.speed.sample(
             state.speed,
-            vc,
-            hdot,
+            airspeed,
+            feed,
             target,
             keeps,
             now.thr_sat,

@@ -104,10 +104,10 @@ class Protection:
     CLEARANCE = 100.0  # height above the ground at which a descent ends, ft
     TRADED = 500.0  # height above the ground below which no height is traded for airspeed, ft
 
-    # fractions of the commanded airspeed
-    BOOST_ENDS_ABOVE = 0.985
-    CLIMB_YIELDS_BELOW = 0.97  # from 1 down to this, the climb is reduced to the measured excess
-    CLIMB_TRADED_BELOW = 0.95  # the climb is reduced to regain the airspeed
+    BOOST_ENDS_ABOVE = 0.985  # fraction of the commanded airspeed
+    # below the commanded airspeed: down to this error the climb is reduced to the measured excess,
+    # and beyond it further, to regain the airspeed, kt
+    CLIMB_YIELDS = 5.0
     MAKES_WAY = 2.0  # throttle reduction over the throttle that the remaining descent would save
 
     # fractions of the minimum airspeed
@@ -150,6 +150,7 @@ class Protection:
         h_agl: float = 0.0,
         eases: bool = False,
         *,
+        airspeed: float | None = None,
         cut: float = 0.0,
     ) -> tuple[Allowed, ProtectionState]:
         """Limits of the references, and the next state.
@@ -158,7 +159,9 @@ class Protection:
         are the maximum attainable. ``vc_cmd`` is the airspeed that has priority over a climb;
         ``hold_pitch`` limits the pitch reference to the path angles of the allowed rates of climb;
         ``eases`` reduces a descent to keep the airspeed; ``cut`` is the last commanded rate of
-        climb less the allowed one. A ``vc`` or ``h_agl`` of 0 (not connected) sets no limit.
+        climb less the allowed one. ``airspeed`` is that without gusts, kt; only the priority of
+        ``vc_cmd`` depends on it, and it is ``vc`` by default. A ``vc`` or ``h_agl`` of 0 (not
+        connected) sets no limit.
         """
         per_knot, stops = true_airspeed(1.0, h), (full_elevator, full_throttle)
         state = self._filtered(state, theta, alpha, vc * per_knot, hdot, phi, *stops)
@@ -179,7 +182,11 @@ class Protection:
         highest, boost, feed, limit = sustained, 0.0, 0.0, fastest
         if vc_cmd is not None:
             target = max(vc_cmd * per_knot, 1.0)
-            highest, boost = self._for_airspeed(state, target, slowest, stiffness, spare)
+            inertial = per_knot * (vc if airspeed is None else airspeed)
+            yields = target - self.CLIMB_YIELDS * per_knot
+            highest, boost = self._for_airspeed(
+                state, inertial, target, yields, slowest, stiffness, spare
+            )
             boost = self._boost(state, boost, floor, fastest)
             if eases:
                 limit = min(target + self.DESCENT_YIELDS * per_knot, fastest)
@@ -284,19 +291,30 @@ class Protection:
         return max(state.level / (lift_max * state.load), self.LEAST_LIFT)
 
     def _for_airspeed(
-        self, state: ProtectionState, target: float, slowest: float, stiffness: float, spare: float
+        self,
+        state: ProtectionState,
+        v: float,
+        target: float,
+        yields: float,
+        slowest: float,
+        stiffness: float,
+        spare: float,
     ) -> tuple[float, float]:
-        """Maximum rate of climb, and throttle to add, for an airspeed that has priority."""
-        v, available, measured = state.v, state.available, state.measured
+        """Maximum rate of climb, and throttle to add, for an airspeed that has priority.
+
+        ``v`` is the airspeed without gusts, ft/s: as only errors below the ``target`` count, gusts
+        would cost height.
+        """
+        available, measured = state.available, state.measured
         # while the commanded airspeed is held, reserve throttle for the climb
-        reserve = (v / target - self.CLIMB_YIELDS_BELOW) / (1.0 - self.CLIMB_YIELDS_BELOW)
+        reserve = (v - yields) / (target - yields)
         climb = measured + clip(reserve, 0.0, 1.0) * (available - measured)
         # behind the power curve it requires throttle and a descent to recover the airspeed
         behind = clip((self.DESCENT_REGAINS_BELOW - state.airspeed / slowest) / 0.1, 0.0, 1.0)
-        traded = available - stiffness * (self.CLIMB_TRADED_BELOW * target - v)
+        traded = available - stiffness * (yields - v)
         highest = min(max(traded, -behind * self.limits.descent_max), climb + spare)
-        rate = state.acceleration + GRAVITY * state.climb / max(v, self.SLOWEST)
-        missing = self.BOOST_ENDS_ABOVE * target - state.airspeed - self.AHEAD * rate
+        rate = state.acceleration + GRAVITY * state.climb / max(state.v, self.SLOWEST)
+        missing = self.BOOST_ENDS_ABOVE * target - v - self.AHEAD * rate
         boost = clip(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
         return max(highest, -self.limits.descent_max), boost
 

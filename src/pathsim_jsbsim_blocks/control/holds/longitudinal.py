@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..._core.checks import optional, positive
 from ..._core.parameters import parameter
+from ..._core.ports import numbered
+from ..airspeeds import ComplementaryAirspeed
 from ..controller import Authority, Hold, ReferenceKind, authority_limits, fill, reference_kind
 from ..gains import Gains
 from ..loops import ReferenceLoop, ReferenceState, SpeedLoop, attitude_loop
@@ -89,6 +92,14 @@ class PitchHold(Hold):
         return [elevator, theta_cmd], state
 
 
+class AirspeedState(NamedTuple):
+    """State of an `AirspeedHold`."""
+
+    speed: ReferenceState = SpeedLoop.START
+    airspeed: float = ComplementaryAirspeed.START  # kt
+    climb: float = 0.0  # rate of climb to feed forward, ft/s
+
+
 @fill
 @dataclass(eq=False, repr=False)
 class AirspeedHold(Hold):
@@ -96,13 +107,17 @@ class AirspeedHold(Hold):
 
     .. math::
         \\delta_t = K_p (b V_\\mathrm{cmd} - V') + K_i \\int (V_\\mathrm{cmd} - V') \\, dt
-        - K_d \\dot V' + K_c \\dot h
+        - K_d \\dot V' + K_c \\dot h_\\mathrm{cmd}
 
     sampled at T. The reference V_cmd starts at the airspeed at engagement and moves to
-    ``vc_ref`` (parameter plus port) no faster than the gain table's ramp. With the rate of climb
-    connected, the extra throttle for a climb is fed forward. V' is the airspeed within the gain
-    table's band about the reference; beyond, each further knot of error counts as 0.2 kt, so that
-    gusts do not move the throttle from stop to stop.
+    ``vc_ref`` (parameter plus port) no faster than the gain table's ramp. The extra throttle for a
+    climb is fed forward: from the commanded rate of climb with a lag of 2 s or, if ``hdot_cmd`` is
+    not connected, from the measured one, which rising air makes wrong. V' is the airspeed within
+    the gain table's band about the reference; beyond, each further knot of error counts as 0.2 kt.
+
+    With ``nx``, ``nz``, ``alpha``, ``theta``, ``phi`` and ``vt`` connected, the throttle follows
+    the aircraft and not the gusts: above 0.1 rad/s the airspeed is the integral of the inertial
+    acceleration along the path through the air, at most 4 kt above and 8 kt below the measured one.
 
     Parameters
     ----------
@@ -121,13 +136,23 @@ class AirspeedHold(Hold):
     vc
         calibrated airspeed in kt
     hdot
-        rate of climb in ft/s, fed forward
+        rate of climb in ft/s, fed forward unless ``hdot_cmd`` is connected
     vc_ref
         kt, added to the parameter
     off
         0 engaged; otherwise the throttle is frozen
     thr_sat
         ``Aircraft`` output of that name, for anti-windup at idle and full throttle
+    hdot_cmd
+        commanded rate of climb in ft/s, of the hold that moves the elevator
+    nx, nz
+        load factors, g
+    alpha, beta
+        angles of attack and sideslip, deg; a ``beta`` that is not connected counts as 0
+    theta, phi
+        pitch and roll angle, deg
+    vt
+        true airspeed, ft/s
 
     Outputs
     -------
@@ -147,21 +172,31 @@ class AirspeedHold(Hold):
 
     measured = ("vc", "hdot")
     commands = {"throttle": "off"}
-    input_port_labels = {"vc": 0, "hdot": 1, "vc_ref": 2, "off": 3, "thr_sat": 4}
+    input_port_labels = numbered(
+        "vc hdot vc_ref off thr_sat hdot_cmd nx nz alpha beta theta phi vt"
+    )
     output_port_labels = {"throttle": 0, "vc_cmd": 1}
 
-    START = SpeedLoop.START
+    START = AirspeedState()
 
     def build(self) -> None:
         (gains,) = self.gains_of("speed")
-        self.speed = SpeedLoop(self.clock.period, gains, self._checked.authority, self.scheduled)
+        T = self.clock.period
+        self.airspeed = ComplementaryAirspeed(T)
+        self.speed = SpeedLoop(T, gains, self._checked.authority, self.scheduled)
         self.follows(speed=self.speed)
 
-    def law(self, u: list[float], state: ReferenceState) -> tuple[list[float], ReferenceState]:
-        vc, hdot, vc_ref, off, thr_sat = u[:5]
+    def law(self, u: list[float], state: AirspeedState) -> tuple[list[float], AirspeedState]:
+        vc, hdot, vc_ref, off, thr_sat, hdot_cmd, *motion = u[:13]
         self.retune(vc)
-        target, keeps = self.speed.loop.towards(state, vc, self.wanted("vc_ref", vc_ref, vc))
-        throttle, vc_cmd, state = self.speed.sample(
-            state, vc, hdot, target, keeps, thr_sat, off != 0.0
+        airspeed, inertial = self.airspeed.sample(state.airspeed, vc, *motion)
+        climb = hdot if hdot_cmd == 0.0 or not state.speed.law.sampled else state.climb
+        target, keeps = self.speed.loop.towards(
+            state.speed, airspeed, self.wanted("vc_ref", vc_ref, vc)
         )
-        return [throttle, vc_cmd], state
+        throttle, vc_cmd, speed = self.speed.sample(
+            state.speed, airspeed, climb, target, keeps, thr_sat, off != 0.0
+        )
+        if hdot_cmd != 0.0:
+            climb = self.speed.follow(climb, hdot_cmd)
+        return [throttle, vc_cmd], AirspeedState(speed, inertial, climb)
