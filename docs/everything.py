@@ -47,6 +47,8 @@ FLIGHTS = {
     "steps": ["docs/gain_tables.py", "--fly"],
     "off design": ["docs/gain_tables.py", "--off"],
     "cruise": ["docs/gain_tables.py", "--cruise"],
+    "airspeeds": ["docs/gain_tables.py", "--airspeed"],
+    "turbulence": ["docs/gain_tables.py", "--rough"],
     "near the ground": ["docs/gain_tables.py", "--slow"],
     "random cases": ["docs/monte_carlo.py"],
     "landings": ["docs/landings.py"],

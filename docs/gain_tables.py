@@ -11,7 +11,7 @@ with ``--speed`` only the airspeed loops.
 With ``--fly`` the steps are flown with the existing tables, for
 the tables of `docs/evidence`; with ``--off`` at other airspeeds, altitudes and fuel;
 with ``--cruise`` those of airliners at cruise altitudes; with ``--slow`` slowly near the ground;
-with ``--airspeed`` large steps of the airspeed.
+with ``--airspeed`` large steps of the airspeed; with ``--rough`` in turbulence and in a shear.
 """
 
 import argparse
@@ -782,6 +782,67 @@ def fly_airspeed(names):
         write_table("designed-gains-airspeed", SPEED_HEADER + rows)
 
 
+# turbulence of severity 4: s of flight, and from which it is judged; s and deg of a turn; then a
+# headwind in ft/s that goes within some s from another s on, and the flight's s
+ROUGH = LIGHT | {
+    "atmosphere/turbulence/milspec/severity": 4.0,
+    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 50.0,
+    "atmosphere/randomseed": 7.0,
+}
+ROUGH_SECONDS, ROUGH_JUDGED, ROUGH_TURN = 200.0, 10.0, (30.0, 30.0)
+SHEAR, SHEAR_FROM, SHEAR_WITHIN, SHEAR_SECONDS = 50.0, 5.0, 15.0, 60.0
+
+ROUGH_HEADER = """\
+| aircraft | KCAS | travel of the throttle per s | at a stop | airspeed, rms kt | altitude, ft \
+| lowest airspeed as 30 kt of headwind go, kt |
+|---|--:|--:|--:|--:|--:|--:|
+"""
+
+
+def rough_row(name):
+    """Row of the table of flights in turbulence and in a shear."""
+    schedule, condition, create, _ = nominal(name)
+
+    def flown(seconds, wanted, properties=None, wind=None):
+        there = replace(condition, heading=0.0, wind_north=-SHEAR) if wind else condition
+        plane = Aircraft(
+            name, condition=there, create=create, properties=properties, T=SLOW_T, substeps=2
+        )
+        autopilot, rows = Autopilot(gains=schedule, T=SLOW_T), []
+
+        def asked(k, seen):
+            if wind:
+                plane.fdm["atmosphere/wind-north-fps"] = wind(k * SLOW_T)
+            return wanted(k * SLOW_T)
+
+        for command, seen in flown_by(autopilot, plane, round(seconds / SLOW_T), asked):
+            throttle = command[3] - seen["thr_sat"]
+            rows.append((seen["vc"] - condition.speed, throttle, seen["thr_sat"], seen["h"]))
+        return np.array(rows).T
+
+    begin, angle = ROUGH_TURN
+    signals = flown(ROUGH_SECONDS, lambda t: {"psi_ref": angle * (t > begin)}, properties=ROUGH)
+    error, throttle, stop, h = signals[:, round(ROUGH_JUDGED / SLOW_T) :]
+    travel = np.abs(np.diff(throttle)).sum() / (ROUGH_SECONDS - ROUGH_JUDGED)
+
+    def wind(t):
+        return -SHEAR * (1.0 - min(max((t - SHEAR_FROM) / SHEAR_WITHIN, 0.0), 1.0))
+
+    lowest = flown(SHEAR_SECONDS, lambda t: {}, wind=wind)[0].min()
+    h -= condition.altitude
+    return (
+        f"| {name} | {condition.speed:.0f} | {travel:.3f} | {(stop != 0.0).mean():.0%} "
+        f"| {np.sqrt(np.mean(error**2)):.1f} | {h.min():.0f} to {h.max():.0f} | {lowest:.1f} |\n"
+    )
+
+
+def fly_rough(names):
+    """Fly through turbulence, and through a shear."""
+    rows = rows_of(rough_row, names)
+    if not names:
+        write_table("designed-gains-turbulence", ROUGH_HEADER + rows)
+
+
 def main(names):
     TABLES.mkdir(exist_ok=True)
     for name in names or (name for name in aircraft_names() if name not in KEPT):
@@ -808,5 +869,6 @@ if __name__ == "__main__":
     do.add_argument("--cruise", dest="do", action="store_const", const=fly_cruise)
     do.add_argument("--slow", dest="do", action="store_const", const=fly_slow)
     do.add_argument("--airspeed", dest="do", action="store_const", const=fly_airspeed)
+    do.add_argument("--rough", dest="do", action="store_const", const=fly_rough)
     options = parser.parse_args()
     options.do(options.aircraft)

@@ -156,7 +156,7 @@ def turbulence(gusts, seed):
     }
 
 
-def approach(table, number, head=0.0, cross=0.0, gusts=0.0):
+def approach(table, number, head, cross, gusts):
     """Course of an approach in a wind, kt, and what the diagram ``autoland_737`` is built with."""
     from pathsim_jsbsim_blocks import Aircraft
     from pathsim_jsbsim_blocks.errors import TrimError

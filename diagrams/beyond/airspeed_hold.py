@@ -16,6 +16,9 @@ from pathsim_jsbsim_blocks import Aircraft, AirspeedHold, AltitudeHold, RollHold
 
 DURATION = 45.0  # s
 
+# what makes an airspeed without gusts
+MOTION = ["nx", "nz", "alpha", "beta", "theta", "phi", "vt"]
+
 aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
 faster = StepSource(amplitude=10.0, tau=5.0)
 airspeed_hold = AirspeedHold(gains="c172p")
@@ -30,6 +33,8 @@ sim = Simulation(
         Connection(aircraft["vc"], airspeed_hold["vc"], speed[0]),
         Connection(faster, airspeed_hold["vc_ref"]),
         Connection(aircraft["thr_sat"], airspeed_hold["thr_sat"]),
+        Connection(aircraft[MOTION], airspeed_hold[MOTION]),
+        Connection(altitude_hold["hdot_cmd"], airspeed_hold["hdot_cmd"]),
         Connection(airspeed_hold["throttle"], aircraft["throttle"], flight[0]),
         Connection(airspeed_hold["vc_cmd"], speed[1]),
         Connection(aircraft["h"], altitude_hold["h"], flight[1]),

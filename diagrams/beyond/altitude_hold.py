@@ -17,6 +17,9 @@ from pathsim_jsbsim_blocks import Aircraft, AirspeedHold, AltitudeHold, RollHold
 
 DURATION = 120.0  # s
 
+# what makes an airspeed without gusts
+MOTION = ["nx", "nz", "alpha", "beta", "theta", "phi", "vt"]
+
 aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
 higher = StepSource(amplitude=500.0, tau=5.0)
 altitude_hold = AltitudeHold(gains="c172p")
@@ -41,7 +44,8 @@ sim = Simulation(
         Connection(aircraft["phi"], leveller["phi"]),
         Connection(aircraft["p"], leveller["p"]),
         Connection(altitude_hold["elevator"], aircraft["elevator"], controls[0]),
-        Connection(altitude_hold["hdot_cmd"], climb[2]),
+        Connection(altitude_hold["hdot_cmd"], airspeed_hold["hdot_cmd"], climb[2]),
+        Connection(aircraft[MOTION], airspeed_hold[MOTION]),
         Connection(airspeed_hold["throttle"], aircraft["throttle"], controls[1]),
         Connection(leveller["aileron"], aircraft["aileron"]),
     ],

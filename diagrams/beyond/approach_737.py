@@ -26,6 +26,8 @@ FIX = (0.03, 0.03)  # deg
 THRESHOLD = (0.03, 0.22)
 ELEVATION = 500.0  # ft
 DECISION_HEIGHT = 200.0  # ft above the threshold
+# what makes an airspeed without gusts
+MOTION = ["nx", "nz", "alpha", "beta", "theta", "phi", "vt"]
 
 aircraft = Aircraft(
     aircraft="737",
@@ -61,6 +63,8 @@ sim = Simulation(
         Connection(aircraft["elev_sat"], glide["elev_sat"]),
         Connection(aircraft["vc"], airspeed["vc"], flight[0]),
         Connection(aircraft["thr_sat"], airspeed["thr_sat"]),
+        Connection(aircraft[MOTION], airspeed[MOTION]),
+        Connection(glide["hdot_cmd"], airspeed["hdot_cmd"]),
         Connection(slower, airspeed["vc_ref"]),
         Connection(course["aileron"], aircraft["aileron"]),
         Connection(glide["elevator"], aircraft["elevator"]),

@@ -55,7 +55,9 @@ TURBULENCE = {
 }
 
 MEASURED = ["theta", "phi", "psi", "p", "q", "r", "alpha", "beta", "h", "hdot", "vc", "lat", "lon"]
-MEASURED += ["elev_sat", "ail_sat", "thr_sat", "h_agl", "gear/wow"]
+MEASURED += ["nx", "nz", "vt", "elev_sat", "ail_sat", "thr_sat", "h_agl", "gear/wow"]
+# what makes an airspeed without gusts
+MOTION = ["nx", "nz", "alpha", "beta", "theta", "phi", "vt"]
 COMMANDS = ["elevator", "aileron", "rudder", "throttle", "brakes", "steering"]
 
 aircraft = Aircraft(
@@ -77,7 +79,7 @@ aircraft = Aircraft(
 localizer = Localizer(station=ANTENNA, course=COURSE)
 glideslope = Glideslope(station=AIM, elevation=ELEVATION, angle=3.0)
 lateral = LocalizerHold(gains="c172p-designed", course=COURSE)
-vertical = GlideslopeHold(gains="c172p-designed", angle=3.0)
+vertical = GlideslopeHold(gains="c172p-designed", angle=3.0, sink_max=20.0)
 airspeed = AirspeedHold(gains=SPEED)
 damper = YawDamper(gains="c172p-designed")
 flare = FlareHold(
@@ -121,6 +123,8 @@ autoland = Subsystem(
         Connection(ports["alpha"], vertical["alpha"], flare["alpha"]),
         Connection(ports["vc"], airspeed["vc"], flare["vc"]),
         Connection(ports["hdot"], airspeed["hdot"]),
+        Connection(vertical["hdot_cmd"], airspeed["hdot_cmd"]),
+        Connection(ports[MOTION], airspeed[MOTION]),
         Connection(ports["elev_sat"], vertical["elev_sat"]),
         Connection(ports["ail_sat"], lateral["ail_sat"]),
         Connection(ports["thr_sat"], airspeed["thr_sat"]),

@@ -18,6 +18,9 @@ from pathsim_jsbsim_blocks import Aircraft, AirspeedHold, AltitudeHold, HeadingH
 
 DURATION = 40.0  # s
 
+# what makes an airspeed without gusts
+MOTION = ["nx", "nz", "alpha", "beta", "theta", "phi", "vt"]
+
 aircraft = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0, heading=350.0)
 heading_hold = HeadingHold(gains="c172p", psi_ref=10.0, bank_max=25.0)
 yaw_damper = YawDamper(gains="c172p")
@@ -56,6 +59,8 @@ sim = Simulation(
         Connection(aircraft["q"], altitude_hold["q"]),
         Connection(altitude_hold["elevator"], aircraft["elevator"]),
         Connection(aircraft["vc"], airspeed_hold["vc"], flight[1]),
+        Connection(aircraft[MOTION], airspeed_hold[MOTION]),
+        Connection(altitude_hold["hdot_cmd"], airspeed_hold["hdot_cmd"]),
         Connection(airspeed_hold["throttle"], aircraft["throttle"]),
     ],
     dt=1 / 120,

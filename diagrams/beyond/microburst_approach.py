@@ -20,6 +20,9 @@ from pathsim_jsbsim_blocks import Aircraft, AirspeedHold, Microburst, PitchHold
 
 DURATION = 75.0  # s
 
+# what makes an airspeed without gusts
+MOTION = ["nx", "nz", "alpha", "beta", "theta", "phi", "vt"]
+
 in_burst = Aircraft("737", altitude=1500.0, speed=150.0, gamma=-3.0, gear=1.0, flaps=0.5)
 in_calm = Aircraft("737", altitude=1500.0, speed=150.0, gamma=-3.0, gear=1.0, flaps=0.5)
 burst = Microburst(lat0=0.0331, lon0=0.0, radius=3000.0, outflow=30.0, height=150.0)
@@ -43,6 +46,7 @@ approach = Subsystem(
         ),
         Connection(in_burst["theta", "q", "elev_sat"], pitch["theta", "q", "elev_sat"]),
         Connection(in_burst["vc", "hdot", "thr_sat"], airspeed["vc", "hdot", "thr_sat"]),
+        Connection(in_burst[MOTION], airspeed[MOTION]),
         Connection(pitch["elevator"], in_burst["elevator"]),
         Connection(airspeed["throttle"], in_burst["throttle"], ports["throttle"]),
         Connection(in_burst["h", "vc", "vt"], ports["h", "vc", "vt"]),
