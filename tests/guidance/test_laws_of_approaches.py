@@ -10,6 +10,7 @@ from equations import (
     ALTITUDE,
     ATTITUDE,
     HEADING,
+    NOTHING,
     PI,
     G,
     N,
@@ -130,6 +131,38 @@ def test_glideslope_hold(wires, from_above, hdot_max):
     assert np.array_equal(ours["gs_ft"], above)
     assert np.array_equal(ours["gs_deg"], seen)
     assert 100 < np.count_nonzero(captured) < N - 20
+
+
+@pytest.mark.parametrize(("sink_max", "most"), [(None, 1.2), (9.0, 9.0 / 7.86)])
+@pytest.mark.parametrize("received", [True, False])
+def test_near_the_ground_the_sink_rate_is_limited(received, sink_max, most):
+    # 18 ft above a path of 3 deg, at 150 ft/s: the path sinks at 7.86 ft/s
+    dist = 7000.0 - 150.0 * T * np.arange(N)
+    slope = math.tan(math.radians(3.0))
+    earth = 0.0 if received else dist**2 / (2 * 20.9e6)
+    wires = {"h": 518.0 + dist * slope + earth, "alpha": NOTHING, "gs_ft": NOTHING + 18.0}
+    wires |= {"gs_deg": NOTHING + 0.1, "gs_dist": dist, "lat": -dist / 362_750.0}
+    block = GlideslopeHold(
+        gains={"altitude": ALTITUDE, "pitch": ATTITUDE},
+        elevation=500.0,
+        crossing_height=0.0,
+        T=T,
+        **({"sink_max": sink_max} if sink_max else {}),
+    )
+    if received:
+        block.inputs.wired = {"gs_dist"}
+    ours = laws(block, **wires)
+    assert ours["captured"][-1] == 1.0
+    rate, path = ours["hdot_cmd"][200:], 150.0 * slope
+    height = dist[200:] * slope + 18.0
+    back = ALTITUDE["Kh"] * 18.0
+    assert back > 0.2 * path
+    # within a foot of 300 ft the Earth's curvature decides
+    high, low = height > 301.0, height < 299.0
+    assert rate[high] == pytest.approx(-path - back, abs=0.1)
+    assert rate[low] == pytest.approx(-most * path, abs=0.05)
+    assert high.any()
+    assert low.any()
 
 
 FLARE = {

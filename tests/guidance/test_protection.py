@@ -616,10 +616,26 @@ def test_a_climb_takes_the_throttle_that_the_airspeed_leaves(share, excess):
     alpha = 12.0 * (60.0 / (1.1 * vc)) ** 2
     found, _ = guard.sample(guard.START, 4.0, alpha, 0.0, 0.0, vc, False, False, vc_cmd)
     stiffness = 0.1 * vc * 1.68781 / 32.174
-    lost = 20.0 - stiffness * (0.95 * vc_cmd - vc) * 1.68781
+    lost = 20.0 - stiffness * (vc_cmd - 5.0 - vc) * 1.68781
     spare = excess + stiffness * (vc - 0.96 * 60.0) * 1.68781
     # near its lowest airspeed an aircraft descends to gain the one demanded
     assert found.climb_max == pytest.approx(min(max(lost, -20.0), spare), abs=0.01)
+
+
+@pytest.mark.parametrize(("airspeed", "share"), [(90.0, 1.0), (87.5, 0.5), (85.0, 0.0)])
+def test_a_gust_does_not_reduce_the_climb(airspeed, share):
+    # level flight, 20 ft/s at full throttle; a gust takes 8 kt of the measured airspeed
+    limits = EnvelopeLimits(alpha_max=12.0, vc_min=40.0, climb_max=20.0, descent_max=20.0)
+    guard, vc = Protection(1 / 120, None, limits), 82.0
+    alpha = 12.0 * (40.0 / (1.1 * vc)) ** 2
+    measured = guard.START, 4.0, alpha, 0.0, 0.0, vc, False, False, 90.0
+    found, _ = guard.sample(*measured, airspeed=airspeed)
+    stiffness = 0.1 * vc * 1.68781 / 32.174 * 1.68781
+    spare = stiffness * (vc - 0.96 * 40.0)
+    traded = 20.0 - stiffness * (85.0 - airspeed)
+    assert found.climb_max == pytest.approx(min(traded, 20.0 * share + spare), abs=0.01)
+    # the limits of the airspeed follow from the measured one
+    assert found.vc_min == pytest.approx(40.0, abs=0.1)
 
 
 def test_the_highest_airspeed_is_the_lower_of_two():
