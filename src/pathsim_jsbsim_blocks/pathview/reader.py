@@ -223,7 +223,7 @@ class _Reader:
             live = editable(getattr(part.value, name, before))
             if name == "initial_value":
                 live = _state(part.value, live)
-            if not same(live, before):  # changed since the part was built
+            if not same(live, editable(before)):  # changed since the part was built
                 value = live
             if name in named or not same(value, default):
                 part.arguments[name] = value
