@@ -5,7 +5,7 @@ import logging
 import numpy as np
 import pytest
 from flown_scripts import OUTPUTS, recorded, scripted
-from pathsim import Connection, Simulation
+from pathsim import Connection, Interface, Simulation, Subsystem
 from pathsim.blocks import Scope
 from plain_jsbsim import flown_reset_file, flown_script
 
@@ -66,6 +66,33 @@ def test_a_reset_file_is_the_start_of_the_flight(aircraft, file):
     fdm = JSBSimFDM(aircraft_model=aircraft, initialize=file, output_properties=OUTPUTS)
     np.testing.assert_array_equal(recorded(fdm, 2.0), rows)
     assert fdm.duration is None
+
+
+def test_a_script_flies_in_subsystems_after_a_reset_in_the_middle():
+    rows = flown_script("scripts/737_cruise.xml", OUTPUTS, 3.0)
+    plane, number = scripted("scripts/737_cruise.xml"), len(OUTPUTS)
+    doors = Interface(), Interface()
+    inner = Subsystem([plane, doors[0]], [Connection(plane[:number], doors[0][:number])])
+    outer = Subsystem([inner, doors[1]], [Connection(inner[:number], doors[1][:number])])
+    sim = Simulation([outer], dt=plane.T, log=False)
+    sim.run(1.0)
+    sim.run(1.0, reset=True)
+    sim.run(1.0)
+    state = plane.outputs.to_array()
+    np.testing.assert_array_equal(state, rows[round(state[-1] / plane.T)])
+
+
+def test_a_file_of_outputs_is_found_beside_the_script_when_a_write_is_left_out(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    plane = JSBSimFDM(
+        script="scripts/737_cruise.xml",
+        input_properties=["simulation/notify-time-trigger"],
+        allow_files=True,
+    )
+    Simulation([plane], dt=plane.T, log=False).run(0.5)
+    assert [p.name for p in tmp_path.iterdir()] == ["737_cruise_output.csv"]
 
 
 def test_substeps_show_each_fourth_row_of_a_script():
@@ -304,6 +331,7 @@ SCRIPTS = {
 PARTS = {
     "dt 0": ({"dt": "0"}, "a step of 0 s"),
     "dt fast": ({"dt": "fast"}, "'fast' as dt"),
+    "end early": ({"start": "5", "end": "1"}, "ends at 1 s, before its start at 5 s"),
     "end nan": ({"end": "nan"}, "'nan' as end"),
     "no value": ({"events": event('<set name="fcs/elevator-cmd-norm"/>')}, "no value"),
     "no name": ({"events": event('<set value="1"/>')}, "without a name in event 'e'"),

@@ -95,6 +95,8 @@ class StartFile:
         self.dt = self._number(run, "dt")
         if self.dt <= 0.0:
             self.refuse(f"has a step of {self.dt:g} s")
+        if end < start:
+            self.refuse(f"ends at {end:g} s, before its start at {start:g} s")
         # JSBSim ends a script after 0.99 of a step more
         self.steps = (end - start) / self.dt + 0.99
         self.writes: dict[str, str] = {}
