@@ -217,18 +217,16 @@ class JSBSimFDM(FlightBlock):
         for name in [*others, "initialize"] if file == "script" else others:
             value = getattr(self, name)
             if np.any(value != self.__dataclass_fields__[name].default):
-                why = (
-                    f"{name}={value!r} cannot be combined with {file}: the flight starts from the "
-                )
-                refuse(name, value, f"{why}file; setup writes properties before the start")
+                why = f"{name}={value!r} cannot be combined with {file}, which gives the start of "
+                refuse(name, value, f"{why}the flight; setup writes properties before it")
 
     @property
     def duration(self) -> float | None:
         """Time from the start of the script to its last sample, s; None without a script."""
         file = self.airframe.start
-        return (
-            file.steps // self._substeps * self.T if file is not None and file.is_script else None
-        )
+        if file is None or not file.is_script:
+            return None
+        return file.steps // self._substeps * self._checked.T
 
     def _model(self) -> str:
         return self.aircraft_model

@@ -207,8 +207,8 @@ def start_from_file(airframe: Airframe, setup: Mapping[str, float] | None) -> Tr
     asked = fdm.get_ic().trim_requested()
     if asked != jsbsim.TrimMode.NONE and (why := failure_of(jsbsim.FGTrim(fdm, asked).do_trim)):
         warn_user(f"{airframe.start}: the trim at the start failed: {why}")
-    place = {"altitude": fdm[property_of("h")], "speed": fdm[property_of("vc")]}
-    condition = TrimCondition(mode="none", **place)
+    altitude, speed = fdm[property_of("h")], fdm[property_of("vc")]
+    condition = TrimCondition(altitude, speed, mode="none")
     read_back(airframe, condition, setup, ())
     return read_state(airframe, condition)
 
