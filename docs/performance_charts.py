@@ -135,6 +135,8 @@ def write(tables):
 def page():
     """The page of the evidence: the table in words, and links."""
     made = pd.read_csv(EVIDENCE / "performance.csv")
+    blank = made[made[[*COLUMNS]].isna().all(axis=1)].aircraft
+    made = made[~made.aircraft.isin(blank)]
     head = HEAD.format(
         count=len(made),
         all=len(fleet()),
@@ -142,8 +144,9 @@ def page():
         median=pd.to_numeric(made["median"].str.rstrip(" %")).max(),
     )
     links = ", ".join(f"[{name}](performance/{name}.pdf)" for name in made.aircraft)
-    later = [name for name in fleet() if name not in {*made.aircraft}]
+    later = [name for name in fleet() if name not in {*made.aircraft, *blank}]
     rest = f"\nNot made yet: {', '.join(later)}.\n" if later else ""
+    rest += f"\nNo value, because its commands have no effect: {', '.join(blank)}.\n"
     listed = textwrap.fill(links, 125, break_long_words=False, break_on_hyphens=False)
     return f"{head}{listed}.\n{rest}"
 

@@ -95,10 +95,14 @@ def chart(args: argparse.Namespace) -> None:
     table = performance_table(args.aircraft, **axes, **options)
     at = ["quantity", "altitude_ft", "weight_lb", "flaps_norm"]
     result = ["load_factor", "speed_kcas", "value", "unit", "difference_percent", "reason"]
+    faults = table[table.fault != ""]
     # print single values; curves are only drawn
     single = ~table.duplicated(["chart", *at[:3]], keep=False)
     printed = single | table.value.isna() | table.chart.isin(["V-n", "stall"])
     _print_table(table[printed][[*at, *result]])
+    if len(faults):
+        print("faults of the model, values that break an invariant of physics:")
+        _print_table(faults[[*at, "speed_kcas", "value", "unit", "fault"]])
     for path in args.save:
         if path.suffix.lower() == ".csv":
             _save_table(table, path)

@@ -167,6 +167,13 @@ class ModelXml:
         channels = (element for element, _ in self._elements if element.tag == "channel")
         return tuple(component for channel in channels for component in channel)
 
+    @cached_property
+    def supercharged(self) -> bool:
+        """Whether a piston engine has a supercharger."""
+        elements = self._elements  # reads all files
+        speeds = (element.findtext("numboostspeeds") for element, _ in elements)
+        return any(float(text or 0.0) > 0.0 for text in speeds)
+
     def engines(self, number: int) -> tuple[Engine, ...]:
         """The engines, of which JSBSim has loaded ``number``; of unknown type if these differ."""
         engines = self._engines

@@ -262,6 +262,8 @@ def climb_chart(table: pd.DataFrame, trimmed: pd.DataFrame) -> tuple[Figure, str
 def performance_chart(table: pd.DataFrame, title: str = "", charts: Sequence[str] = ()) -> Figure:
     """Performance charts of an aircraft on one page; a panel without values gives the reason.
 
+    A value that breaks an invariant of physics is drawn hollow.
+
     Parameters
     ----------
     table : DataFrame
@@ -324,10 +326,11 @@ def performance_chart(table: pd.DataFrame, title: str = "", charts: Sequence[str
         reasons = map(str, (failed if why.empty else why).reason.unique())
         text = f"no {chart} chart:\n{', '.join(reasons) or 'not in the table'}"
         ax.text(0.5, 0.5, text, ha="center", wrap=True, transform=ax.transAxes)
-    notes, flown = [_holes(table)], table.difference_percent.abs().dropna()
+    notes, flown = [_holes(table), _faults(table)], table.difference_percent.abs().dropna()
     if len(flown):
         notes.append(f"{len(flown)} values flown, half of them within {flown.median():.2g} %")
-    figure.supxlabel("\n".join(notes).strip(), fontsize="small", wrap=True)
+    text = "\n".join(note for note in notes if note)
+    figure.supxlabel(text, fontsize="small", wrap=True)
     figure.suptitle(title or _named(table, "performance"))
     return figure
 
@@ -342,13 +345,37 @@ def _holes(table: pd.DataFrame) -> str:
     return "left out: " + "; ".join(parts) if parts else ""
 
 
+def _is_fault(table: pd.DataFrame) -> Any:
+    """Which values break an invariant; tables read from a file have NaN for an empty text."""
+    return table.fault.astype(object).fillna("") != ""
+
+
+def _faults(table: pd.DataFrame) -> str:
+    """Text with the invariants that values break; they are drawn hollow."""
+    rows = table[_is_fault(table)]
+    parts = [
+        f"{fault} ({', '.join(points.quantity.unique())})"
+        for fault, points in rows.groupby("fault", sort=False)
+    ]
+    return "hollow: " + "; ".join(parts) if parts else ""
+
+
+def _line(ax: Axes, rows: pd.DataFrame, x: str, y: str, style: str, **options: Any) -> None:
+    """Values of a table, with hollow marks for those that break an invariant."""
+    (drawn,) = ax.plot(rows[x], rows[y], style, **options)
+    hollow = rows[_is_fault(rows)]
+    if len(hollow):
+        face = ax.get_facecolor()
+        ax.plot(hollow[x], hollow[y], "o", color=drawn.get_color(), markerfacecolor=face)
+
+
 def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
     """Quantities against airspeed, one line for each altitude and weight."""
     for quantity, style in zip(quantities, "-:", strict=False):
         rows = table[table.quantity == quantity]
         for i, ((height, weight), line) in enumerate(rows.groupby(["altitude_ft", "weight_lb"])):
             label = f"{height:.0f} ft, {weight:.0f} lb" if style == "-" else None
-            ax.plot(line.speed_kcas, line.value, f".{style}", color=f"C{i}", label=label)
+            _line(ax, line, "speed_kcas", "value", f".{style}", color=f"C{i}", label=label)
         for unit in rows.unit[:1]:
             ax.set_ylabel(",\ndotted: ".join(quantities) + f" [{unit}]")
     ax.set_xlabel("calibrated airspeed [kt]")
@@ -357,7 +384,7 @@ def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> Non
 def _stall_speeds(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
     rows = table[table.quantity.isin(quantities)].sort_values("weight_lb")
     for flaps, line in rows.groupby("flaps_norm"):
-        ax.plot(line.weight_lb, line.value, "o-", label=f"flaps {flaps:g}")
+        _line(ax, line, "weight_lb", "value", "o-", label=f"flaps {flaps:g}")
     ax.set(xlabel="weight [lb]", ylabel="stall speed, throttle closed [KCAS]")
 
 
@@ -367,7 +394,7 @@ def _over_altitude(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> 
         rows = table[table.quantity == quantity]
         for weight, line in rows.groupby("weight_lb"):
             name = f"{quantity}, {weight:.0f} lb"
-            ax.plot(line.value, line.altitude_ft, "o-", color=f"C{i}", label=name)
+            _line(ax, line, "value", "altitude_ft", "o-", color=f"C{i}", label=name)
         for unit in rows.unit[:1]:
             name = quantity if len(quantities) == 1 else "true airspeed"
             ax.set_xlabel(f"{name} [{'kt' if unit == 'KTAS' else unit}]")
@@ -387,25 +414,46 @@ def _distances(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None
 
 
 def _load_factors(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str]) -> None:
-    """Manoeuvre and gust lines of a V-n diagram."""
+    """Manoeuvre and gust lines of a V-n diagram, closed if its corners have values."""
     limit = rows[rows.quantity == "speed at the lift limit"]
-    end = rows[rows.quantity.isin(["VC", "VD"])].value.max()
+    speeds = {name: rows[rows.quantity == name].value.dropna() for name in ("VC", "VD")}
+    ends = [speed.iloc[0] for speed in speeds.values() if len(speed)]
+    corners = {}  # load factor: highest speed, KEAS
     for line in (limit[limit.load_factor > 0.0], limit[limit.load_factor < 0.0]):
         line = line.sort_values("load_factor", key=abs)
-        ends, line = line.load_factor[-1:], line.dropna(subset=["value"])
-        if len(line):
-            # at a constant lift coefficient the airspeed grows with the root of the load factor
-            root = np.sqrt([0.0, *line.load_factor.abs()])
-            fine = np.linspace(0.0, root[-1], 50)
-            speed, n = np.interp(fine, root, [0.0, *line.value]), fine**2
-            if ends.isin(line.load_factor).all():
-                speed, n = np.append(speed, max(end, speed[-1])), np.append(n, n[-1])
-            n, label = np.copysign(n, line.load_factor.iloc[0]), "lift limit, limit load factor"
-            ax.plot(speed, n, "C0", label=label if n[-1] > 0.0 else None)
+        largest, line = line.load_factor[-1:], line.dropna(subset=["value"])
+        if not len(line):
+            continue
+        # at a constant lift coefficient the airspeed grows with the root of the load factor
+        root = np.sqrt([0.0, *line.load_factor.abs()])
+        fine = np.linspace(0.0, root[-1], 50)
+        speed, n = np.interp(fine, root, [0.0, *line.value]), fine**2
+        sign = np.sign(line.load_factor.iloc[0])
+        if largest.isin(line.load_factor).all():
+            # CS 23.337: the negative limit holds up to VC
+            end = max([*(ends if sign > 0.0 else ends[:1]), speed[-1]])
+            corners[sign * n[-1]] = end
+            speed, n = np.append(speed, end), np.append(n, n[-1])
+            if sign > 0.0:
+                speeds["VA"] = line.value[-1:]
+        label = "lift limit, limit load factor" if sign > 0.0 else None
+        ax.plot(speed, sign * n, "C0", label=label)
+    if len(ends) == 2 and len(corners) == 2:
+        (high, fast), (low, slow) = sorted(corners.items(), reverse=True)
+        ax.plot([fast, fast, slow], [high, 0.0, low], "C0")
+    for name, speed in speeds.items():
+        if len(speed) and ax.lines:
+            span: dict[str, Any] = {
+                "transform": ax.get_xaxis_transform(),
+                "color": "0.6",
+                "linewidth": 0.8,
+            }
+            ax.vlines(speed.iloc[0], 0.0, 1.0, **span)
+            ax.annotate(name, (speed.iloc[0], 0.02), xycoords=("data", "axes fraction"))
     for i, name in enumerate(("VC", "VD"), 1):
         gust = rows[rows.quantity == f"gust load factor at {name}"].value.dropna()
         if len(gust):
-            jump, speed = gust.iloc[0] - 1.0, rows[rows.quantity == name].value.iloc[0]
-            ends = [speed, 0.0, speed], [1.0 + jump, 1.0, 1.0 - jump]
-            ax.plot(*ends, f"C{i}--", label=f"gust at {name}")
+            jump, speed = gust.iloc[0] - 1.0, speeds[name].iloc[0]
+            tips = [speed, 0.0, speed], [1.0 + jump, 1.0, 1.0 - jump]
+            ax.plot(*tips, f"C{i}--", label=f"gust at {name}")
     ax.set(xlabel="equivalent airspeed [kt]", ylabel="load factor [g]")

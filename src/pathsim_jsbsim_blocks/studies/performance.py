@@ -21,6 +21,7 @@ from .._core.units import GRAVITY, KNOT, RHO0
 from ..errors import BlocksError
 from ..flight import TrimCondition, TrimState
 from ..flight.fleet import prepared
+from ..flight.model_files import ModelFile
 from .flight_tests import (
     LARGE,
     Find,
@@ -33,6 +34,7 @@ from .flight_tests import (
     reason_of,
 )
 from .journal import of_models
+from .physics import mark_faults
 from .workers import WORKER_DIED, run_parts
 
 if TYPE_CHECKING:
@@ -55,7 +57,7 @@ _DECELERATION = 1.0  # kt/s into the stall: CS 23.201(b), CS 25.103(c)
 
 COLUMNS = (
     *("chart", "quantity", "altitude_ft", "weight_lb", "flaps_norm", "speed_kcas", "load_factor"),
-    *("value", "unit", "flown", "difference_percent", "reason"),
+    *("value", "unit", "flown", "difference_percent", "reason", "fault"),
 )
 
 
@@ -461,7 +463,10 @@ def performance_table(
         one row for each value: ``chart``, ``quantity``, its condition (``altitude_ft``,
         ``weight_lb``, ``flaps_norm``, ``speed_kcas``, ``load_factor``), ``value`` and ``unit``,
         ``flown``, the value measured in a time history, its ``difference_percent``, and ``reason``:
-        why there is no value, or what limits it
+        why there is no value, or what limits it; ``fault``, the invariant of physics that a value
+        breaks: stall speed grows with the weight and falls with the flaps, no climb with the
+        throttle closed, climb falls with the altitude without a supercharger, load factors are
+        within the limit of the same table. If the search of such a value gave up, it is removed
 
     Raises
     ------
@@ -500,8 +505,9 @@ def performance_table(
         progress=progress,
     )
     table = pd.DataFrame([row for part in results for row in part["rows"]], columns=list(COLUMNS))
+    pistons = bool(airframe.engines) and len(airframe.of_engines("map-inhg")) == airframe.engines
     table.attrs["aircraft"] = aircraft
-    return table
+    return mark_faults(table, pistons and not ModelFile(aircraft, root).xml.supercharged)
 
 
 def _axis(name: str, values: Any) -> list[float]:
