@@ -77,7 +77,7 @@ NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
     "Submarine_Scout": "no convergence",
     "weather-balloon": "thrust",
     "wrightFlyer1903": "thrust",
-    "X15": "no effect",
+    "X15": "fuel",
     "x24b": "no effect",
     "ZLT-NT": "no effect",
 }

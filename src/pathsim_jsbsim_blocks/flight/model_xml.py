@@ -58,12 +58,15 @@ class Engine(NamedTuple):
         "propeller", "nozzle", "direct", "rotor" or "unknown"
     tanks : tuple[int, ...]
         numbers of the tanks that feed it
+    oxidizer : tuple[int, ...]
+        those of them that hold oxidizer
     """
 
     number: int
     type: str
     thruster: str
     tanks: tuple[int, ...]
+    oxidizer: tuple[int, ...] = ()
 
     @property
     def burns(self) -> bool:
@@ -193,11 +196,13 @@ class ModelXml:
                 propulsion = tree if tree.tag == "propulsion" else tree.find("propulsion")
             if propulsion is None:
                 return ()
-            tanks, engines = range(len(propulsion.findall("tank"))), []
+            types, engines = [tank.get("type") for tank in propulsion.findall("tank")], []
             for i, element in enumerate(propulsion.findall("engine")):
                 feeds = (int(float(feed.text or 0)) for feed in element.findall("feed"))
                 kinds = self._kind(element), self._kind(element.find("thruster"))
-                engines.append(Engine(i, *kinds, tuple(tank for tank in feeds if tank in tanks)))
+                tanks = tuple(tank for tank in feeds if tank in range(len(types)))
+                oxidizer = tuple(tank for tank in tanks if types[tank] == "OXIDIZER")
+                engines.append(Engine(i, *kinds, tanks, oxidizer))
         except (XmlError, ValueError):
             return ()
         return tuple(engines)

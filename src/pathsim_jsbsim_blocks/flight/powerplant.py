@@ -58,14 +58,16 @@ class Powerplant(PropertyTree):
         return any({engine.type, engine.thruster} & {*kinds} for engine in self.engine_list)
 
     def fuel_of(self, engine: Engine) -> float:
-        """The usable fuel in the open tanks that feed an engine, lb."""
-        fdm, usable = self.fdm, 0.0
-        for path in map("propulsion/tank[{}]".format, engine.tanks):
+        """The usable fuel in the open tanks that feed an engine, or its oxidizer if less, lb."""
+        fdm, usable = self.fdm, {False: 0.0}
+        for tank in engine.tanks:
+            path, is_oxidizer = f"propulsion/tank[{tank}]", tank in engine.oxidizer
+            usable.setdefault(is_oxidizer, 0.0)
             # a priority of 0 shuts a tank
             if fdm[f"{path}/priority"] > 0.0:
                 rest = fdm[f"{path}/unusable-volume-gal"] * fdm[f"{path}/density-lbs_per_gal"]
-                usable += max(fdm[f"{path}/contents-lbs"] - rest, 0.0)
-        return usable
+                usable[is_oxidizer] += max(fdm[f"{path}/contents-lbs"] - rest, 0.0)
+        return min(usable.values())
 
     def burning(self) -> list[Engine]:
         """Engines that burn fuel from tanks and are not stopped."""
