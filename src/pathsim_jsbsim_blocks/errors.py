@@ -137,6 +137,8 @@ class TrimError(BlocksError, RuntimeError):
         engines without thrust
     command : str
         command without effect: "throttle", "pitch", "roll" or "yaw"
+    commands : list[str]
+        all commands without effect; ``command`` is the first
     properties : dict[str, float]
         the properties concerned: contents of empty tanks, priorities of tanks that are shut off,
         the mixture with which the engines run, or the value of a command after it was set
@@ -154,6 +156,7 @@ class TrimError(BlocksError, RuntimeError):
         limit: float | None = None,
         engines: Sequence[int] = (),
         command: str = "",
+        commands: Sequence[str] = (),
         properties: Mapping[str, float] | None = None,
     ):
         super().__init__(message)
@@ -165,6 +168,7 @@ class TrimError(BlocksError, RuntimeError):
         self.limit = limit
         self.engines = list(engines)
         self.command = command
+        self.commands = list(commands)
         self.properties = dict(properties or {})
 
 

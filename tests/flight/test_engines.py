@@ -432,6 +432,25 @@ def test_a_propeller_that_alternates_from_step_to_step_has_a_warning(tmp_path):
     trim(Airframe("c172p", root=root, substeps=2), TrimCondition(**SINGLE))
 
 
+def test_a_quadrotor_is_told_all_of_its_dead_commands():
+    error = refused(None, "F450", speed=60)
+    assert (error.reason, error.command) == ("no effect", "throttle")
+    assert error.commands == ["throttle", "pitch", "roll", "yaw"]
+    assert "mode='none'" in str(error)
+
+
+def test_a_throttle_that_the_model_writes_is_named_with_its_source():
+    error = refused(None, "p51d", speed=170)
+    assert (error.reason, error.commands) == ("no effect", ["throttle"])
+    assert "/controls/engines/engine/throttle" in str(error)
+
+
+def test_a_rocket_without_oxidizer_has_no_fuel():
+    error = refused(None, "X15", speed=232)
+    assert (error.reason, error.engines) == ("fuel", [0])
+    assert error.properties["propulsion/tank[0]/contents-lbs"] == 0.0
+
+
 def test_a_throttle_whose_effect_is_smaller_than_the_drift_of_the_state_has_none():
     # plain JSBSim: 0.68 lbf of drag at throttles of 0.1, 0.5 and 1
     assert refused(None, "ZLT-NT", speed=41).reason == "no effect"

@@ -345,6 +345,10 @@ class Airframe(Powerplant):
         """Components of the model's systems, as elements of the files that were loaded."""
         return self._xml.components
 
+    def sources(self, name: str) -> tuple[str, ...]:
+        """Properties from which the model's systems write a property, and that none writes."""
+        return self._xml.sources(name)
+
     def write(self, values: Mapping[str, float] | None, what: str = "properties") -> None:
         """Write a dict of properties in its order, all checked first.
 

@@ -86,8 +86,15 @@ def level_flight(
     tries = integer("tries", tries, low=1)
     airframe, _ = prepared(aircraft, root, create, substeps)
     mode, conditions = ("full", TRIES) if airframe.engines else ("glide", GLIDES)
-    model = {"root": root, "create": airframe.created, "substeps": substeps}
-    return first_trim(aircraft, tries=conditions[:tries], mode=mode, solver=solver, **model)
+    return first_trim(
+        aircraft,
+        root,
+        conditions[:tries],
+        create=airframe.created,
+        substeps=substeps,
+        mode=mode,
+        solver=solver,
+    )
 
 
 def first_trim(

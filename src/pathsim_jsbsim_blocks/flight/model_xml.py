@@ -177,6 +177,25 @@ class ModelXml:
         speeds = (element.findtext("numboostspeeds") for element, _ in elements)
         return any(float(text or 0.0) > 0.0 for text in speeds)
 
+    def sources(self, name: str) -> tuple[str, ...]:
+        """Properties from which the systems write a property, and that no system writes."""
+        outputs = dict[str, list[str]]()
+        for element, _ in self._elements:
+            if element.tag in ("system", "channel") or not element.get("name"):
+                continue
+            inputs = [x for part in element.iter() if part.tag != "output" for x in names_in(part)]
+            names = [output.text or "" for output in element.iterfind("output")]
+            for output in (*names, element.get("name", "")):
+                outputs.setdefault(output.strip(), []).extend(inputs)
+        sources, queue = dict[str, None](), [name]
+        for each in queue:
+            for source in outputs.get(each, ()):
+                if source in outputs:
+                    queue += [source] if source not in queue else []
+                else:
+                    sources[source] = None
+        return tuple(sources)
+
     def engines(self, number: int) -> tuple[Engine, ...]:
         """The engines, of which JSBSim has loaded ``number``; of unknown type if these differ."""
         engines = self._engines

@@ -184,8 +184,8 @@ def aircraft_report(
         try:
             airframe, clean = prepared(aircraft, root, create, substeps)
             clean = replace(clean, setup={**clean.setup, **mapping("setup", setup)})
-            model = {"aircraft": file.aircraft, "root": root, "create": airframe.created}
-            model["substeps"] = substeps
+            model: dict[str, Any] = {"aircraft": file.aircraft, "root": root}
+            model |= {"create": airframe.created, "substeps": substeps}
             tanks = tuple(map(airframe.fdm.get_property_value, airframe.tanks))
             flown = _flown(model, clean, airframe.engines > 0)
         except BlocksError as error:

@@ -8,17 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..._core.aircraft_ports import throttles
-from ...errors import TrimError
 from ..airframe import Airframe
 from .condition import TrimCondition
 from .equations import RESIDUALS, Effort, SteadyFlight, size
-from .failure import failure
 from .initial import engines_off, initialise, properties
-from .search import Reached
 from .state import STATE
 
 # command -> the unknowns of a search that represent it, and its primary acceleration
-_COMMANDS = {
+COMMANDS = {
     "throttle": (("throttle",), "udot"),
     "pitch": (("pitch_trim", "elevator"), "qdot"),
     "roll": (("aileron",), "pdot"),
@@ -71,12 +68,12 @@ def command_effects(
 
 
 def effects(
-    flight: SteadyFlight, x: np.ndarray, airframe: Airframe, commands: Iterable[str] = _COMMANDS
+    flight: SteadyFlight, x: np.ndarray, airframe: Airframe, commands: Iterable[str] = COMMANDS
 ) -> Iterator[Effect]:
     """The effects, near a state, of commands among the search's unknowns."""
     before = _at_rest(flight, x)
     for command in commands:
-        unknowns, acceleration = _COMMANDS[command]
+        unknowns, acceleration = COMMANDS[command]
         name = next((name for name in unknowns if name in flight.names), "")
         names = throttles(airframe.engines) if name == "throttle" else [STATE[name]] if name else []
         if not names:
@@ -104,50 +101,3 @@ def _at_rest(flight: SteadyFlight, x: np.ndarray) -> np.ndarray:
         if size(r - before) <= 1.0:
             break
     return r
-
-
-def model_fault(
-    airframe: Airframe,
-    condition: TrimCondition,
-    flight: SteadyFlight,
-    end: Reached,
-    bound: str,
-    residuals: Mapping[str, float],
-) -> TrimError | None:
-    """The error of a search that failed because of a property of the model, if it did.
-
-    ``bound`` is the quantity at its limit. It is the cause if the residual of its acceleration is
-    larger than that of a command without effect.
-    """
-    if airframe.has_kind("rotor"):
-        why = "it is a rotorcraft (its thruster is a rotor), which this search does not trim"
-        return failure(airframe, condition, "rotorcraft", why, residuals)
-    if not any(airframe.fdm[f"forces/fb{axis}-aero-lbs"] for axis in "xyz"):
-        why = "the model has no aerodynamic force"
-        return failure(airframe, condition, "aerodynamics", why, residuals)
-    left = dict(zip(flight.used, abs(end.residuals).tolist(), strict=True))
-    suspects = [
-        command
-        for command, (unknowns, acceleration) in _COMMANDS.items()
-        if not (remains := left.get(acceleration, 0.0)) <= 1.0  # NaN is left
-        and (bound in ("", *unknowns) or remains == max(left.values()))
-    ]
-    for effect in effects(flight, end.x, airframe, suspects):
-        if effect.moves:
-            continue
-        names = " to ".join(dict.fromkeys((effect.properties[0], effect.properties[-1])))
-        why = f"the {effect.command} command, {names}, does not change {effect.acceleration}"
-        if effect.written_by_model:
-            why += ": the model writes it itself"
-        elif effect.command in ("roll", "yaw"):
-            why += " (mode='longitudinal' leaves roll and yaw out)"
-        return failure(
-            airframe,
-            condition,
-            "no effect",
-            why,
-            residuals,
-            command=effect.command,
-            properties={name: airframe.fdm[name] for name in effect.properties},
-        )
-    return None

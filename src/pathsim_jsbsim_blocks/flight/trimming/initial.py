@@ -17,11 +17,15 @@ from ..._core.callers import warn_user
 from ..._core.checks import mapping, one_of, refuse
 from ..airframe import Airframe
 from ..console import failure_of
+from ..model_xml import Engine
 from ..writable import ENGINE_RUNS, cannot_stop
 from .condition import TrimCondition
 from .state import TrimState, read_state
 
 _HEIGHT_BEFORE_SETTLING = 5.0  # ft above ground, where the ground trim starts
+
+# s of held flight, in which a model's pumps fill the tanks of its engines (Short_S23: 0.1)
+_FILLING = 2.0
 
 # written first, because altitudes refer to the terrain at this place
 _PLACE = ("ic/lat-", "ic/long-", "ic/terrain-")
@@ -211,6 +215,21 @@ def start_from_file(airframe: Airframe, setup: Mapping[str, float] | None) -> Tr
     condition = TrimCondition(altitude, speed, mode="none")
     read_back(airframe, condition, setup, ())
     return read_state(airframe, condition)
+
+
+def fill(airframe: Airframe) -> list[Engine]:
+    """Engines without fuel after the model's own fuel system has had time to supply it.
+
+    Meanwhile frozen fuel keeps the engines and their pumps running.
+    """
+    if not airframe.without_fuel():
+        return []
+    with airframe.held():
+        for _ in range(round(_FILLING / airframe.dt)):
+            airframe.fdm.run()
+            if not airframe.without_fuel():
+                break
+    return airframe.without_fuel()
 
 
 # properties whose present values replace those of the original setup

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import math
 import weakref
@@ -11,16 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import TrimError
 from ..airframe import Airframe
-from ..settling import MOST_SUBSTEPS
-from . import check, ground, jsbsim, power
+from . import check, ground, jsbsim
 from .check import HandsOff
 from .condition import TrimCondition
-from .effects import model_fault
+from .diagnosis import Ending, diagnose, no_fuel, with_throttle_at_end
 from .equations import Effort, SteadyFlight, size
 from .failure import LIMITS, failure
-from .initial import engines_off, initialise, is_initial, properties
+from .initial import engines_off, fill, initialise, is_initial, properties
 from .search import POLISHED, Reached, at_one_limit, descend
 from .state import STATE, TrimState, not_finite, read_state
 
@@ -32,23 +29,6 @@ _HALVINGS = 10
 
 # factor on the airspeed for the trim from which the last search starts
 _FASTER = 1.15
-
-# reason of the error by the unknown at its limit, in order of priority: slow flight first needs too
-# much alpha, and then more thrust and elevator than available
-_CAUSES = {
-    "alpha": "alpha limit",
-    "throttle": "thrust",
-    "gamma": "path angle",
-    "speed": "speed",
-    "pitch_trim": "elevator",
-    "elevator": "elevator",
-    "phi": "bank",
-    "beta": "sideslip",
-    "rate": "rate of turn",
-    "aileron": "aileron",
-    "rudder": "rudder",
-}
-_ANGLES = ("alpha", "phi", "beta", "gamma", "rate")
 
 
 class Seed(NamedTuple):
@@ -183,9 +163,9 @@ class Trimmer:
     def _start_with_fuel(self, airframe: Airframe, condition: TrimCondition) -> None:
         """Initialise, and refuse engines without fuel; in a glide they do not run."""
         self._start(airframe, condition)
-        without = power.fill(airframe)
+        without = fill(airframe)
         if without and condition.mode != "glide":
-            raise power.no_fuel(airframe, condition, without)
+            raise no_fuel(airframe, condition, without)
         if without:
             airframe.stopped |= {engine.number for engine in without}
             self._start(airframe, condition)
@@ -236,44 +216,41 @@ class Trimmer:
         elevator = airframe.fdm[STATE["elevator"]]
         if seed is not None and seed.trimmed:
             with airframe.engines_stopped():
-                if result := self._from_seed(condition, seed, fly):
-                    return result
-        refused: TrimError | None = None
+                ending = self._from_seed(condition, seed, fly)
+            if ending and ending.holds(airframe):
+                return ending.state, ending.flown
         for in_time in ways:
-            if used and (refused or self._leaves_traces):
+            if used and (in_time != ways[0] or self._leaves_traces):
                 self._renew()
                 self._initialise(condition, setup)
             used = True
-            try:
-                with airframe.engines_stopped():
-                    return self._from_guesses(condition, seed, in_time, fly)
-            except TrimError as error:
-                refused = error
-                if error.reason != "no equilibrium":
+            with airframe.engines_stopped():
+                ending = self._from_guesses(condition, seed, in_time, fly)
+                if ending.holds(airframe):
+                    return ending.state, ending.flown
+                # only steps in time may change what a flight has shown
+                if in_time == ways[-1] or not (ending.flown and ending.flown.moves):
+                    error = diagnose(airframe, ending)
                     break
         self._used, self._spent = True, self._leaves_traces
         # a search that moves the pitch trim instead would keep it
         airframe.fdm[STATE["elevator"]] = elevator
-        assert refused is not None
-        raise refused
+        raise error
 
-    def _from_seed(
-        self, condition: TrimCondition, seed: Seed, fly: float
-    ) -> tuple[TrimState, HandsOff | None] | None:
-        """The trim near the last one; None without full precision, or if it does not hold."""
+    def _from_seed(self, condition: TrimCondition, seed: Seed, fly: float) -> Ending | None:
+        """The end of a search near the last trim; None without full precision."""
         flight = SteadyFlight(self.airframe, condition, self._effort, seed.in_time)
         if not seed.set_up(flight):
             return None
         reached = descend(flight, seed.x, seed.slopes)
-        if reached.size <= POLISHED:
-            with contextlib.suppress(TrimError):
-                return self._arrived(condition, flight, reached, fly)
-        self._effort.steps = 0
-        return None
+        ending = self._ending(condition, flight, reached, fly) if reached.size <= POLISHED else None
+        if not (ending and ending.holds(self.airframe)):
+            self._effort.steps = 0
+        return ending
 
     def _from_guesses(
         self, condition: TrimCondition, seed: Seed | None, in_time: bool, fly: float
-    ) -> tuple[TrimState, HandsOff | None]:
+    ) -> Ending:
         flight = SteadyFlight(self.airframe, condition, self._effort, in_time)
         slopes = None
         if seed and not seed.trimmed and seed.in_time == in_time and seed.set_up(flight):
@@ -288,7 +265,7 @@ class Trimmer:
                 break
         assert best is not None
         self._keep(flight, best, trimmed=False)
-        return self._arrived(condition, flight, best, fly)
+        return self._ending(condition, flight, best, fly)
 
     def _ends(self, flight: SteadyFlight, slopes: np.ndarray | None) -> Iterator[Reached]:
         """Ends of searches from the first guesses in turn; the first search uses ``slopes``."""
@@ -315,72 +292,38 @@ class Trimmer:
         if faster.size <= 1.0:
             yield descend(flight, faster.x, faster.slopes, ends=ends)
 
-    def _arrived(
+    def _ending(
         self, condition: TrimCondition, flight: SteadyFlight, reached: Reached, fly: float
-    ) -> tuple[TrimState, HandsOff | None]:
-        """The state at the end of a search, if it is a trim that holds."""
-        airframe, x = self.airframe, reached.x
+    ) -> Ending:
+        """The airframe at the end of a search, and what a flight from there shows."""
+        airframe, light = self.airframe, None
         if reached.size <= 1.0:
             # reset, because an exhausted effort would keep the propellers from settling
             self._effort.steps = 0
-        # before the last state is set, because it flies trials
-        light = self._too_light(flight, x)
+        if flight.propellers.per_step > 2.0:
+            # before the last state is set, because it flies trials
+            flight.settled(reached.x)
+            light = flight.propellers.too_light()
         # the last state written need not be the best
-        r, residuals = flight.arrive(x)
+        r, residuals = flight.arrive(reached.x)
         if reached.size <= 1.0 < size(r):
             # a slow engine (pc7) had not quite settled: search on from the settled state
-            reached = descend(flight, x, reached.slopes)
-            x = reached.x
-            r, residuals = flight.arrive(x)
+            reached = descend(flight, reached.x, reached.slopes)
+            r, residuals = flight.arrive(reached.x)
         # the flight begins here: settling the propellers has advanced the clock
         airframe.fdm.set_sim_time(0.0)
-        if airframe.fdm["forces/fbz-gear-lbs"] != 0.0:
-            why = "a wheel or another contact point touches the ground"
-            raise failure(airframe, condition, "ground", why)
-        if airframe.not_running() and condition.mode != "glide":
-            raise power.not_running(airframe, condition, flight, residuals)
-        if not size(r) <= 1.0:
-            if light:
-                raise failure(airframe, condition, "propeller", light, residuals)
-            raise self._failed(condition, flight, x, r, residuals)
         state = read_state(airframe, condition, tuple(flight.names))
         state = dataclasses.replace(state, **residuals)  # type: ignore[arg-type]
-        if broken := not_finite(state):
-            why = f"{', '.join(broken)} not finite after the trim"
-            raise failure(airframe, condition, "no convergence", why, residuals)
-        if light:
-            raise failure(airframe, condition, "propeller", light, residuals)
-        flown = None
-        if fly and condition.mode != "pull-up":
-            flown = self._flown(condition, flight, x, fly)
-            if flown.starved and condition.mode != "glide":
-                starved = [e for e in airframe.engine_list if e.number in flown.starved]
-                raise power.no_fuel(self._stand_in or airframe, condition, starved, residuals)
-            if flown.moves:
-                raise failure(airframe, condition, "no equilibrium", flown.moves, residuals)
-        self._keep(flight, reached, trimmed=True)
-        self.in_time = flight.in_time
-        self.per_step = flight.propellers.per_step
-        self._leaves_traces, self._spent = flight.leaves_traces, False
-        return state, flown
-
-    def _too_light(self, flight: SteadyFlight, x: np.ndarray) -> str:
-        """Text on a propeller that flown steps cannot follow, if there is one."""
-        airframe, propellers = self.airframe, flight.propellers
-        if not propellers.per_step > 2.0:
-            return ""
-        flight.settled(x)
-        if (light := propellers.too_light()) is None:
-            return ""
-        engine, factor = light
-        steps = factor * airframe.substeps
-        step = (
-            f"the propeller of engine {engine} is too light for steps of 1/{1 / airframe.dt:.6g} s"
-        )
-        instead = f"use substeps={steps} (steps of 1/{factor / airframe.dt:.6g} s)"
-        if factor > MOST_SUBSTEPS:
-            instead = "give it its moment of inertia, ixx"
-        return f"{step}, in which its speed does not settle: {instead}"
+        touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
+        ending = Ending(flight, reached.x, r, residuals, state, light, touches)
+        if ending.worth_flying(airframe) and fly and condition.mode != "pull-up":
+            flown, other = self._flown(condition, flight, reached.x, fly)
+            ending = ending._replace(flown=flown, other=other)
+        if ending.holds(airframe):
+            self._keep(flight, reached, trimmed=True)
+            self.in_time, self.per_step = flight.in_time, flight.propellers.per_step
+            self._leaves_traces, self._spent = flight.leaves_traces, False
+        return ending
 
     def _keep(self, flight: SteadyFlight, reached: Reached, *, trimmed: bool) -> None:
         """Store the end of a search for the next trim."""
@@ -390,7 +333,7 @@ class Trimmer:
 
     def _flown(
         self, condition: TrimCondition, flight: SteadyFlight, x: np.ndarray, fly: float
-    ) -> HandsOff:
+    ) -> tuple[HandsOff, Airframe]:
         """A flight of a second aircraft from the airframe's trim."""
         other = self._stand_in = self._stand_in or self.airframe.twin()
         other.resemble(self.airframe)
@@ -405,33 +348,7 @@ class Trimmer:
         flown = check.fly(other, condition, fly)
         if flown.moves or flown.leaves or flown.starved or fly > check.SHORT:
             self._stand_in = None
-        return flown
-
-    def _failed(
-        self,
-        condition: TrimCondition,
-        flight: SteadyFlight,
-        x: np.ndarray,
-        r: np.ndarray,
-        residuals: dict[str, float],
-    ) -> TrimError:
-        """The error of a failed search, with the limit at which it ended."""
-        name = binding(flight, condition, x, r)
-        if not name and "throttle" in flight.names:
-            other = _at_end(flight, x, r)
-            i = flight.names.index("throttle")
-            stuck = x[i] in (flight.low[i], flight.high[i]) or abs(r[0]) == abs(r).max()
-            # even the whole range would not be enough
-            if stuck and flight.settled(other)[0] * r[0] > 0.0:
-                name, x = "throttle", other
-        end = Reached(x, r, None)
-        if error := model_fault(self.airframe, condition, flight, end, name, residuals):
-            return error
-        limit = float(x[flight.names.index(name)]) if name else None
-        if name in _ANGLES:
-            limit = math.degrees(limit)  # type: ignore[arg-type]
-        reason = _CAUSES.get(name, "no convergence" if flight.propellers.steady else "propeller")
-        return failure(self.airframe, condition, reason, residuals=residuals, limit=limit)
+        return flown, other
 
 
 _trimmers: weakref.WeakKeyDictionary[Airframe, Trimmer] = weakref.WeakKeyDictionary()
@@ -445,7 +362,7 @@ def _within_thrust(flight: SteadyFlight, reached: Reached) -> np.ndarray | None:
     if "throttle" not in flight.names or flight.effort.over:
         return None
     i, too_much = flight.names.index("throttle"), reached.residuals[0] > 0.0
-    x = _at_end(flight, reached.x, reached.residuals)
+    x = with_throttle_at_end(flight, reached.x, reached.residuals)
     inside, end = reached.x[i], x[i]
     if inside == end or (flight.settled(x)[0] > 0.0) == too_much:
         return None
@@ -456,21 +373,3 @@ def _within_thrust(flight: SteadyFlight, reached: Reached) -> np.ndarray | None:
         else:
             end = x[i]
     return x
-
-
-def _at_end(flight: SteadyFlight, x: np.ndarray, r: np.ndarray) -> np.ndarray:
-    """The unknowns with the throttle at the limit that reduces the residual along the path."""
-    i, x = flight.names.index("throttle"), x.copy()
-    x[i] = (flight.low if r[0] > 0.0 else flight.high)[i]
-    return x
-
-
-def binding(flight: SteadyFlight, condition: TrimCondition, x: np.ndarray, r: np.ndarray) -> str:
-    """The unknown at a limit that stops the search; empty if none does."""
-    more = {"alpha": r[flight.used.index("wdot")] > 0.0}
-    if condition.thrust is None:
-        more["throttle"] = r[0] < 0.0
-    ends = zip(flight.names, x <= flight.low, x >= flight.high, strict=True)
-    # only limits in the direction that would help, not where a search is merely stuck
-    names = [n for n, low, high in ends if (low or high) and more.get(n, high) == high]
-    return min(names, key=[*_CAUSES].index, default="")
