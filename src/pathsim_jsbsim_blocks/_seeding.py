@@ -141,7 +141,7 @@ def outside_generators(function: Any) -> dict[str, Any]:
     """
     named: dict[str, Any] = {}
     while isinstance(function, functools.partial):
-        bound = {**dict(enumerate(function.args)), **function.keywords}
+        bound = {**{str(i): value for i, value in enumerate(function.args)}, **function.keywords}
         named |= {f"argument {name}": value for name, value in bound.items()}
         function = function.func
     owner = getattr(function, "__self__", function)

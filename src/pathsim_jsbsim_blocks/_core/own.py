@@ -9,7 +9,7 @@ import numpy as np
 
 
 def _read_only(self: Any, *_: Any, **__: Any) -> NoReturn:
-    kind = type(self).__base__.__name__
+    kind = type(self).__mro__[1].__name__
     raise TypeError(f"a parameter is read-only: edit a copy, {kind}(...), and set that")
 
 

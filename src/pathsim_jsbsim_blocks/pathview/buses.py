@@ -16,7 +16,8 @@ def check_buses(graph: Json, refuse: Callable[[str], Any]) -> None:
     from pathview.buses import BusModel, expand_buses
 
     model = BusModel(graph["nodes"], graph["connections"])
-    _level(model, model.root, *expand_buses(graph["nodes"], graph["connections"]), refuse)
+    nodes, connections = expand_buses(graph["nodes"], graph["connections"])
+    _level(model, model.root, nodes, connections, refuse)
 
 
 def _level(

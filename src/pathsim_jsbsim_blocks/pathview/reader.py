@@ -370,7 +370,7 @@ def _built_in(kind: type[Block], core: Collection[str]) -> type[Block]:
     """
     while len(kind.__bases__) == 1:
         of_pathsim = kind.__module__.startswith("pathsim.")
-        if of_pathsim and (kind.__name__ in core or kind.__base__.__name__ not in core):
+        if of_pathsim and (kind.__name__ in core or kind.__bases__[0].__name__ not in core):
             break  # PathView's own, or not an old name of one such as Step
         base = kind.__bases__[0]
         own = vars(kind).keys() - {"__init__", *vars(type("", (), {}))}

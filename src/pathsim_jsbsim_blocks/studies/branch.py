@@ -12,6 +12,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any, NamedTuple
 
 from .._core.checks import integer, must_be
@@ -101,7 +102,7 @@ def branch(futures: Iterable[Callable[[], Any]], jobs: int | None = None) -> lis
         while start < failed or forks.running:
             if start < failed and len(forks.running) < most:
                 function = functions[start]
-                numbers[forks.start(lambda f=function: _run(f, state))] = start
+                numbers[forks.start(partial(_run, function, state))] = start
                 start += 1
                 continue
             fork = forks.next()

@@ -87,6 +87,7 @@ class TakeOff:
         autopilot = Autopilot("c172p", theta_ref=plane.trim.theta)
         pilot = DiscretePID(**_PILOT)
         speed, mixture, roll_mode, on = map(Constant, (_CLIMB, 0.0, 0.0, 1.0))
+        wires: list[tuple[Any, ...]]
         wires = [(plane[port], autopilot[port]) for port in (*_MEASURED, "elev_sat", "ail_sat")]
         wires += [(autopilot[name], plane[name]) for name in ("elevator", "aileron", "rudder")]
         wires += [(speed, pilot["r"]), (plane["vc"], pilot["y"]), (pilot, autopilot["theta_ref"])]
