@@ -5,7 +5,7 @@ import os
 import pytest
 
 from pathsim_jsbsim_blocks.studies import engine_failure, engine_failure_chart
-from pathsim_jsbsim_blocks.studies.engine_failure import INSTANTS, WAYS, TakeOff
+from pathsim_jsbsim_blocks.studies.take_off import INSTANTS, WAYS, TakeOff
 
 pytestmark = [
     pytest.mark.long,

@@ -4,8 +4,6 @@ Needs the extra ``studies``: ``pip install "pathsim-jsbsim-blocks[studies]"``.
 """
 
 from .batch import run_batch
-from .branch import branch
-from .engine_failure import engine_failure, engine_failure_chart
 from .figures import (
     alpha_elevator_chart,
     climb_chart,
@@ -13,6 +11,7 @@ from .figures import (
     performance_chart,
     thrust_chart,
 )
+from .futures import branch
 from .performance import performance_table
 from .published import (
     STUDIES,
@@ -25,6 +24,7 @@ from .published import (
 )
 from .report import AircraftReport, aircraft_report
 from .sweep import trim_sweep
+from .take_off import engine_failure, engine_failure_chart
 
 __all__ = [
     "STUDIES",

@@ -19,7 +19,7 @@ from ..flight import TrimCondition
 from ..flight.aircraft import Aircraft
 from ..guidance.autopilot import Autopilot
 from ..plots import subplots
-from .branch import branch
+from .futures import branch
 
 if TYPE_CHECKING:
     import pandas as pd
