@@ -13,7 +13,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ._core.checks import as_path, did_you_mean, mapping, must_be, nearest, refuse
+from ._core.checks import did_you_mean, mapping, must_be, nearest, refuse
+from ._core.files import as_path
 
 __all__ = [
     "diagram_folder",

@@ -20,8 +20,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ._core.checks import did_you_mean, mapping, nearest, one_of, refuse, writable
-from ._core.files import replacing
+from ._core.checks import did_you_mean, mapping, nearest, one_of, refuse
+from ._core.files import replacing, writable
 from ._core.scopes import name_and_unit, recording, signal_label
 
 if TYPE_CHECKING:

@@ -1,39 +1,13 @@
 """Checks of arguments: what passes comes back in its plain form, the rest is refused by name."""
 
 import math
-import os
-import threading
 from functools import partial
 
 import numpy as np
 import pytest
 
 from pathsim_jsbsim_blocks import ParameterError
-from pathsim_jsbsim_blocks._core import checks
-
-
-def test_a_new_file_is_not_left_behind(tmp_path):
-    assert checks.writable("file", tmp_path / "new.csv") == tmp_path / "new.csv"
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_file_keeps_its_contents(tmp_path):
-    path = tmp_path / "old.csv"
-    path.write_text("kept")
-    checks.writable("file", str(path))
-    assert path.read_text() == "kept"
-
-
-@pytest.mark.skipif(os.name == "nt" or not hasattr(os, "mkfifo"), reason="no pipes in folders")
-def test_a_pipe_is_not_opened(tmp_path):
-    path = tmp_path / "pipe"
-    os.mkfifo(path)
-    # opening it to write would wait for a reader
-    checking = threading.Thread(target=checks.writable, args=("file", path), daemon=True)
-    checking.start()
-    checking.join(10)
-    assert not checking.is_alive()
-
+from pathsim_jsbsim_blocks._core import checks, files
 
 NO_NUMBERS = ["1", True, None, [1.0], np.ones(1), 1j, math.nan]
 INFINITIES = [math.inf, -math.inf, 10**400]
@@ -75,8 +49,8 @@ def test_what_passes_comes_back_in_its_plain_form(check, values, kind):
         (checks.numbers, ["12", 3.0, np.array(1.0), None]),
         (partial(checks.one_of, choices=["full", "none"]), ["ful", 3]),
         (checks.flag, ["no", 1, None]),
-        (checks.as_path, [3, None, b"x", "a\0b"]),
-        (checks.writable, [3]),
+        (files.as_path, [3, None, b"x", "a\0b"]),
+        (files.writable, [3]),
         (checks.mapping, [[("a", 1)]]),
         (lambda name, value: checks.arrays(**{name: value}), ["1", True, None, 1j, [[1], [1, 2]]]),
         (lambda name, value: checks.finite(**{name: value}), [True, math.nan, [1.0, math.inf]]),
@@ -88,13 +62,6 @@ def test_the_rest_is_refused_with_its_name_and_value(check, values):
             check("x", value)
         assert error.value.parameter == "x"
         assert error.value.value is value
-
-
-def test_no_file_can_be_written_there(tmp_path):
-    for path in (tmp_path, tmp_path / "none" / "x.csv", tmp_path / ("x" * 300)):
-        with pytest.raises(ParameterError) as error:
-            checks.writable("file", path)
-        assert (error.value.parameter, error.value.value) == ("file", str(path))
 
 
 def test_limits_may_touch_and_be_infinite():

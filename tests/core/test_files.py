@@ -1,11 +1,13 @@
 """Files that are written whole or not at all."""
 
 import os
+import threading
 from pathlib import Path
 
 import pytest
 
-from pathsim_jsbsim_blocks._core.files import replacing, write_whole
+from pathsim_jsbsim_blocks import ParameterError
+from pathsim_jsbsim_blocks._core.files import replacing, writable, write_whole
 from pathsim_jsbsim_blocks.errors import FileError
 
 
@@ -54,3 +56,33 @@ def test_a_file_in_a_folder_that_takes_no_new_one_is_written(tmp_path, monkeypat
     monkeypatch.undo()
     assert file.read_text() == "two"
     assert os.listdir(tmp_path) == ["file"]
+
+
+def test_a_new_file_is_not_left_behind(tmp_path):
+    assert writable("file", tmp_path / "new.csv") == tmp_path / "new.csv"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_keeps_its_contents(tmp_path):
+    path = tmp_path / "old.csv"
+    path.write_text("kept")
+    writable("file", str(path))
+    assert path.read_text() == "kept"
+
+
+@pytest.mark.skipif(os.name == "nt" or not hasattr(os, "mkfifo"), reason="no pipes in folders")
+def test_a_pipe_is_not_opened(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    # opening it to write would wait for a reader
+    checking = threading.Thread(target=writable, args=("file", path), daemon=True)
+    checking.start()
+    checking.join(10)
+    assert not checking.is_alive()
+
+
+def test_no_file_can_be_written_there(tmp_path):
+    for path in (tmp_path, tmp_path / "none" / "x.csv", tmp_path / ("x" * 300)):
+        with pytest.raises(ParameterError) as error:
+            writable("file", path)
+        assert (error.value.parameter, error.value.value) == ("file", str(path))

@@ -80,3 +80,29 @@ SHORT_OUTPUTS: Mapping[str, tuple[str, ...]] = {
 def property_of(port: str) -> Any:
     """The property of an output; the name of a property is returned as it is."""
     return SHORT_OUTPUTS[port][0] if port in SHORT_OUTPUTS else OUTPUTS.get(port, Port(port))[0]
+
+
+# other names of ports and parameters, in lower case
+SYNONYMS = {
+    "theta": "pitch pitch_angle",
+    "phi": "roll bank roll_angle bank_angle",
+    "psi": "heading yaw",
+    "p": "roll_rate",
+    "q": "pitch_rate",
+    "r": "yaw_rate",
+    "alpha": "aoa angle_of_attack",
+    "beta": "sideslip",
+    "gamma": "fpa path_angle flight_path_angle",
+    "h": "altitude alt height",
+    "altitude": "height h",
+    "hdot": "climb climb_rate rate_of_climb vertical_speed vs",
+    "vc": "airspeed speed cas kcas ias",
+    "vt": "airspeed speed tas v",
+    "mach": "m",
+    "nz": "load_factor g",
+    "density": "rho",
+    "temperature": "t",
+    "speed_of_sound": "a",
+    "viscosity": "mu",
+    "step": "width",  # of a pulse, in s, as the other sources call it
+}

@@ -6,10 +6,8 @@ import difflib
 import functools
 import inspect
 import math
-import os
 from collections.abc import Container, Iterable, Mapping, Sequence
 from numbers import Real
-from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
 import numpy as np
@@ -43,37 +41,13 @@ def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
     return list(dict.fromkeys([*holds[:n], *held, *(spelt[x] for x in close)]))[:n]
 
 
-# other names of ports and parameters, in lower case
-_CALLED = {
-    "theta": "pitch pitch_angle",
-    "phi": "roll bank roll_angle bank_angle",
-    "psi": "heading yaw",
-    "p": "roll_rate",
-    "q": "pitch_rate",
-    "r": "yaw_rate",
-    "alpha": "aoa angle_of_attack",
-    "beta": "sideslip",
-    "gamma": "fpa path_angle flight_path_angle",
-    "h": "altitude alt height",
-    "altitude": "height h",
-    "hdot": "climb climb_rate rate_of_climb vertical_speed vs",
-    "vc": "airspeed speed cas kcas ias",
-    "vt": "airspeed speed tas v",
-    "mach": "m",
-    "nz": "load_factor g",
-    "density": "rho",
-    "temperature": "t",
-    "speed_of_sound": "a",
-    "viscosity": "mu",
-    "step": "width",  # of a pulse, in s, as the other sources call it
-}
-
-
 def nearest_ports(name: str, names: Iterable[str]) -> list[str]:
-    """The ports of which ``name`` is another name, or else those most like it."""
+    """The ports or parameters of which ``name`` is another name, or else those most like it."""
+    from .aircraft_ports import SYNONYMS
+
     names = list(names)
     key = str(name).lower().replace(" ", "_")
-    meant = [port for port, others in _CALLED.items() if key in others.split() and port in names]
+    meant = [port for port, others in SYNONYMS.items() if key in others.split() and port in names]
     return meant or nearest(name, names)
 
 
@@ -206,45 +180,6 @@ def flag(parameter: str, value: Any) -> bool:
     if not isinstance(value, (bool, np.bool_)):
         must_be(parameter, value, "True or False")
     return bool(value)
-
-
-def as_path(parameter: str, value: Any) -> Path:
-    try:
-        path = Path(value)
-        if "\0" in str(path):  # not allowed by any system
-            raise TypeError
-        return path
-    except TypeError:
-        must_be(parameter, value, "a path")
-
-
-def writable(parameter: str, value: Any) -> Path:
-    """``value`` as the path of a file that can be written, tried by opening it."""
-    path = as_path(parameter, value)
-    # os.path, because Path raises for a name that is too long for the system
-    if os.path.isdir(path):
-        refuse(parameter, str(path), f"{parameter} must be a file, {str(path)!r} is a directory")
-    if not os.path.isdir(path.parent):
-        refuse(parameter, str(path), f"no directory {str(path.parent)!r} to write {path.name!r} in")
-    new = not os.path.lexists(path)
-    if new or os.path.isfile(path):  # opening and closing a pipe would end its data
-        try:
-            path.open("ab").close()
-            if new:
-                path.unlink()
-        except OSError as error:
-            refuse(parameter, str(path), f"cannot write {str(path)!r}: {error.strerror}")
-    return path
-
-
-def ending(parameter: str, path: Path, *endings: str) -> Path:
-    """``path`` if it has one of ``endings``; the error suggests it with the nearest of them."""
-    if path.suffix.lower() not in endings:
-        listed = " or ".join(x for x in endings if x)
-        close = nearest(path.suffix, endings, 1) or endings
-        hint = did_you_mean([os.path.splitext(path)[0] + close[0]])
-        refuse(parameter, str(path), f"{parameter} must end in {listed}, not {path.name!r}{hint}")
-    return path
 
 
 def name_list(parameter: str, names: Any, requirement: str = "a list of names") -> list[Any]:

@@ -1,4 +1,4 @@
-"""Write files completely or not at all."""
+"""Paths of files that can be written; files written completely or not at all."""
 
 from __future__ import annotations
 
@@ -7,8 +7,49 @@ import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from ..errors import FileError
+from .checks import did_you_mean, must_be, nearest, refuse
+
+
+def as_path(parameter: str, value: Any) -> Path:
+    try:
+        path = Path(value)
+        if "\0" in str(path):  # not allowed by any system
+            raise TypeError
+        return path
+    except TypeError:
+        must_be(parameter, value, "a path")
+
+
+def writable(parameter: str, value: Any) -> Path:
+    """``value`` as the path of a file that can be written, tried by opening it."""
+    path = as_path(parameter, value)
+    # os.path, because Path raises for a name that is too long for the system
+    if os.path.isdir(path):
+        refuse(parameter, str(path), f"{parameter} must be a file, {str(path)!r} is a directory")
+    if not os.path.isdir(path.parent):
+        refuse(parameter, str(path), f"no directory {str(path.parent)!r} to write {path.name!r} in")
+    new = not os.path.lexists(path)
+    if new or os.path.isfile(path):  # opening and closing a pipe would end its data
+        try:
+            path.open("ab").close()
+            if new:
+                path.unlink()
+        except OSError as error:
+            refuse(parameter, str(path), f"cannot write {str(path)!r}: {error.strerror}")
+    return path
+
+
+def ending(parameter: str, path: Path, *endings: str) -> Path:
+    """``path`` if it has one of ``endings``; the error suggests it with the nearest of them."""
+    if path.suffix.lower() not in endings:
+        listed = " or ".join(x for x in endings if x)
+        close = nearest(path.suffix, endings, 1) or endings
+        hint = did_you_mean([os.path.splitext(path)[0] + close[0]])
+        refuse(parameter, str(path), f"{parameter} must end in {listed}, not {path.name!r}{hint}")
+    return path
 
 
 @contextlib.contextmanager

@@ -10,7 +10,6 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-from .._core.files import replacing
 from .arguments import command, option, switch
 from .console import tell
 from .plain import plain_text
@@ -66,6 +65,8 @@ _PAGE = re.compile(r"\[([^][\"\n]+)\]\(\.\./([\w/-]+)\.\w+(?:#[\w-]+)?\)")
 
 def _copied(folder: Path) -> list[str]:
     """Copy chapters and figures; return existing files that differ, which are not overwritten."""
+    from .._core.files import replacing
+
     unchanged = []
     for source in sorted([*chapters().glob("*.ipynb"), *chapters().glob("figures/*.svg")]):
         name = source.relative_to(chapters())

@@ -8,7 +8,6 @@ import math
 from pathlib import Path
 from typing import Any
 
-from .._core.files import replacing
 from .arguments import (
     AIRCRAFT,
     CREATE,
@@ -117,6 +116,8 @@ def _print_table(table: Any) -> None:
 
 
 def _save_table(table: Any, path: Path) -> None:
+    from .._core.files import replacing
+
     with replacing(path) as file:
         table.to_csv(file, index=False)
     print(f"table saved: {path}")

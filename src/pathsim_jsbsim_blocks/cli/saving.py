@@ -9,8 +9,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from .._core.files import replacing
-
 SignalsWriter: TypeAlias = Callable[[Sequence[Any]], None]
 
 
@@ -37,7 +35,7 @@ def save(
 
 def check_file(option: str, path: Path | None, *endings: str) -> None:
     """Refuse a file that cannot be written, or whose ending is that of another format."""
-    from .._core.checks import ending, writable
+    from .._core.files import ending, writable
 
     if path is not None:
         writable(option, path)
@@ -79,6 +77,7 @@ def _write_csv(path: Path, rate: float | None, scopes: Sequence[Any]) -> None:
     import numpy as np
 
     from .._core.checks import refuse
+    from .._core.files import replacing
     from .._core.scopes import recording, signal_label
 
     if not scopes:

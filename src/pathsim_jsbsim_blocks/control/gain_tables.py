@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .._core.checks import as_path, did_you_mean, ending, nearest, refuse
-from .._core.files import write_whole
+from .._core.checks import did_you_mean, nearest, refuse
+from .._core.files import as_path, ending, write_whole
 from ..errors import FileError, ParameterError
 from .airspeeds import true_airspeed
 from .gains import LOOPS, OPTIONAL, AircraftGains, DesignPoint, GainSchedule

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
-from .._core.checks import as_path, did_you_mean, nearest
+from .._core.checks import did_you_mean, nearest
+from .._core.files import as_path
 from ..errors import DaveMLError, FileError
 
 # beyond any published model: a malformed file is refused instead of filling the memory

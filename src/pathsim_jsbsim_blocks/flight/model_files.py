@@ -11,7 +11,8 @@ from pathlib import Path
 
 import jsbsim
 
-from .._core.checks import as_path, did_you_mean, nearest
+from .._core.checks import did_you_mean, nearest
+from .._core.files import as_path
 from ..errors import AircraftError, FileError
 from .model_xml import ModelXml, XmlError
 

@@ -19,7 +19,8 @@ from typing import NoReturn
 import jsbsim
 
 from .._core.callers import warn_user
-from .._core.checks import as_path, did_you_mean, nearest, refuse
+from .._core.checks import did_you_mean, nearest, refuse
+from .._core.files import as_path
 from ..errors import AircraftError
 from .model_files import ModelFile, default_root
 from .model_xml import names_in

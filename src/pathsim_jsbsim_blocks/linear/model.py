@@ -13,7 +13,6 @@ import numpy as np
 from scipy.linalg import expm
 
 from .._core.checks import (
-    as_path,
     did_you_mean,
     integer,
     mapping,
@@ -24,7 +23,7 @@ from .._core.checks import (
     refuse,
 )
 from .._core.extras import required
-from .._core.files import write_whole
+from .._core.files import as_path, write_whole
 from ..errors import FileError
 from .identification import respond
 from .modes import Mode, natural_modes

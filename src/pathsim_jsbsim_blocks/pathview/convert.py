@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from .._core.checks import as_path
+from .._core.files import as_path
 from ..errors import DiagramError
 from .generate import checked, to_python
 from .pvm import read, write

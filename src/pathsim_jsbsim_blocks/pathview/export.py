@@ -9,7 +9,8 @@ from typing import Any, NoReturn
 
 from pathsim.blocks import Block
 
-from .._core.checks import as_path, number
+from .._core.checks import number
+from .._core.files import as_path
 from . import pvm
 from .diagram import Diagram
 from .first_run import FirstRun

@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import __version__
-from .._core.checks import as_path, refuse
+from .._core.checks import refuse
 from .._core.extras import required
+from .._core.files import as_path
 from ..errors import FileError
 
 _TITLE = "pathsim-jsbsim study, file format 5"

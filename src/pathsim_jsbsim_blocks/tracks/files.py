@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core.checks import ending, must_be, refuse, writable
+from .._core.checks import must_be, refuse
 from .._core.extras import required
-from .._core.files import replacing
+from .._core.files import ending, replacing, writable
 from .acmi import write_acmi
 from .kml import write_kml
 from .report import write_report
