@@ -4,6 +4,7 @@ python docs/generate.py
 python docs/generate.py PART ...    some of it: pages, modes, accuracy, fleet, diagrams, studies
 """
 
+import argparse
 import ast
 import contextlib
 import csv
@@ -47,6 +48,8 @@ from pathsim_jsbsim_blocks.catalogue import (
     find_diagram,
 )
 from pathsim_jsbsim_blocks.check_cases import CASES, compare, fly_case
+from pathsim_jsbsim_blocks.cli.parser import _GROUPS as COMMAND_GROUPS
+from pathsim_jsbsim_blocks.cli.parser import command_parser
 from pathsim_jsbsim_blocks.design.requirements import requirements_table
 from pathsim_jsbsim_blocks.flight import aircraft_names
 from pathsim_jsbsim_blocks.plots import saving_to
@@ -196,7 +199,37 @@ SUBJECTS = {
 }
 
 
-def blocks_page():
+def commands_tables():
+    """Each command of the package with its options, by the groups of its help."""
+    parser = command_parser()
+    (actions,) = (a for a in parser._actions if a.dest == argparse.SUPPRESS and a.choices)
+    parts = []
+    for group, names in COMMAND_GROUPS.items():
+        parts.append(f"### {group[0].upper()}{group[1:]}\n\n| command | |\n|---|---|\n")
+        for name in names:
+            command = actions.choices[name]
+            text = command.description.rstrip(".")
+            parts.append(f"| **{name}** | {text} |\n")
+            for option in command._actions:
+                if option.dest != "help" and option.help != argparse.SUPPRESS:
+                    parts.append(option_row(option))
+        parts.append("\n")
+    return "".join(parts).rstrip()
+
+
+def option_row(option):
+    """An option or argument of a command, as a row."""
+    flag = max(option.option_strings, key=len, default="")
+    words = [option.metavar] if isinstance(option.metavar, str) else option.metavar or ()
+    if not words and option.nargs != 0 and not option.choices:
+        words = [option.dest.upper()]
+    text = (option.help or "").replace("|", "\\|").replace("\n", " ") % vars(option)
+    if option.choices and not flag:
+        words = [option.metavar or option.dest.upper()]
+    return f"| `{' '.join([flag, *map(str, words)]).strip()}` | {text} |\n"
+
+
+def blocks_tables():
     """A line for each block, by subject: its docstring's first, and the file that has the rest."""
     subjects = {part: subject for subject, parts in SUBJECTS.items() for part in parts}
     rows = {subject: "" for subject in SUBJECTS}
@@ -208,11 +241,7 @@ def blocks_page():
             subject = subjects[block.__module__.split(".")[1]]
             rows[subject] += f"| [`{name}`](../../{file}) | {summary} |\n"
     tables = (f"## {subject}\n\n| block | |\n|---|---|\n{rows[subject]}" for subject in rows)
-    return (
-        "# All blocks\n\nThe docstring of a block is its manual page: equation, parameters, ports, "
-        "units, signs.\n`pathsim-jsbsim help NAME` prints it, and a double click shows it in "
-        "PathView.\n\n" + "\n".join(tables)
-    )
+    return "\n".join(tables)
 
 
 def fleet_page():
@@ -225,6 +254,7 @@ def fleet_page():
     for name, verdict in verdicts.items():
         if not verdict.startswith(("trims", "glides")):
             reasons.setdefault(verdict.removeprefix("no trim: "), []).append(name)
+    modes = (EVIDENCE / "fleet.md").read_text(encoding="utf-8").partition("\n## Modes\n")
     return (
         f"# The fleet\n\nThe {len(verdicts)} aircraft that jsbsim {version('jsbsim')} brings; "
         f"{trims} of them trim in level flight,\n{glides} in a glide with the throttle closed; "
@@ -237,6 +267,7 @@ def fleet_page():
         "The verdict names engines that run out of fuel in a flight of 60 s, fuel not frozen.\n\n"
         "| no flight | aircraft |\n|---|---|\n"
         + "".join(f"| {why} | {', '.join(names)} |\n" for why, names in reasons.items())
+        + "".join(modes[1:])
     )
 
 
@@ -440,7 +471,7 @@ def modes_table():
         with ProcessPoolExecutor(1) as pool:
             lines.append(pool.submit(modes_of, name).result())
     write_table("fleet-modes", MODES_HEADER + "".join(lines))
-    put(EVIDENCE / "fleet-modes.md", "counts", modes_counts())
+    put(EVIDENCE / "fleet.md", "counts", modes_counts())
 
 
 def modes_counts():
@@ -570,7 +601,8 @@ def write_pages():
     put(EVIDENCE / "designed-gains.md", "requirements", requirements_table())
     (DOCS / "pictures" / "layers.svg").write_text(layers_picture(), encoding="utf-8")
     (DOCS / "gallery.md").write_text(gallery(), encoding="utf-8")
-    (DOCS / "reference" / "blocks.md").write_text(blocks_page(), encoding="utf-8")
+    put(DOCS / "reference" / "blocks.md", "blocks", blocks_tables())
+    put(DOCS / "command-line.md", "commands", commands_tables())
 
 
 def fleet():
