@@ -187,13 +187,6 @@ def test_anchors_are_headings(page):
             assert anchor in {*slugs(other)}, f"{target}#{anchor}"
 
 
-def test_how_to_pages_are_short_enough_to_read():
-    words = {p.relative_to(ROOT): len(p.read_text(encoding="utf-8").split()) for p in PAGES}
-    reference = ("evidence", "reference")
-    how_to = {p: n for p, n in words.items() if not {*p.parts} & {*reference}}
-    assert {p: n for p, n in how_to.items() if n > 1100} == {}
-
-
 def test_pages_have_every_folder_and_every_hold():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     folders = [m.name for m in pkgutil.iter_modules(package.__path__) if m.ispkg]
