@@ -24,6 +24,10 @@ REFUSED = {
 TRIMMED_AT_START = ("B737_Runway", "b737_runway_new")
 
 
+# the model of a blank aircraft is no model
+RESETS = [pair for pair in bundled_reset_files() if pair[0] != "blank"]
+
+
 def test_all_scripts_are_there():
     assert len(bundled_scripts()) == 58
     assert len(bundled_reset_files()) >= 19
@@ -43,10 +47,8 @@ def test_a_script_flies_bit_for_bit_as_in_jsbsim(name, tmp_path, monkeypatch):
         # the block ends a flight that is not finite
         assert name == "ball_chute"
         assert not np.isfinite(rows[len(flown)]).all()
-    plane.reset()
-    np.testing.assert_array_equal(
-        recorded(plane, min(seconds, 5.0)), flown[: round(5.0 / plane.T) + 1]
-    )
+    again = recorded(plane, min(seconds, 5.0), again=True)[1]
+    np.testing.assert_array_equal(again, flown[: len(again)])
     assert list(tmp_path.iterdir()) == []
 
 
@@ -64,20 +66,24 @@ def test_a_linearisation_is_made_where_files_are_allowed(tmp_path, monkeypatch):
     np.testing.assert_array_equal(flown, flown_script(path, OUTPUTS, 10.0)[: len(flown)])
 
 
-@pytest.mark.parametrize(("aircraft", "file"), bundled_reset_files())
+@pytest.mark.parametrize(("aircraft", "file"), RESETS)
 def test_a_reset_file_is_the_start_of_the_flight(aircraft, file):
     plane = JSBSimFDM(aircraft_model=aircraft, initialize=file, output_properties=OUTPUTS)
     rows, flown = flown_reset_file(aircraft, file, OUTPUTS, 5.0), recorded(plane, 5.0)
-    number = len(flown)
-    np.testing.assert_array_equal(flown, rows[:number])
-    if number < len(rows):
-        # the guards of the block: not finite, or under the ground
-        height = plane.airframe.fdm["position/h-agl-ft"]
-        assert height < -1.0 or not np.isfinite(rows[number]).all()
+    np.testing.assert_array_equal(flown, rows[: len(flown)])
+    if len(flown) < len(rows):
+        # where the block ends a flight without a script
+        fdm = plane.airframe.fdm
+        values = fdm["position/h-agl-ft"], fdm["accelerations/Nz"]
+        assert values[0] < -1.0 or abs(values[1]) > 50.0 or not np.isfinite(sum(values))
 
 
-@pytest.mark.parametrize(("aircraft", "file"), bundled_reset_files())
+# 285 KCAS with the gear down
+@pytest.mark.filterwarnings("ignore:737 at")
+@pytest.mark.parametrize(("aircraft", "file"), RESETS)
 def test_a_reset_file_in_mode_none_is_its_state(aircraft, file):
+    if (aircraft, file) == ("pogo-jsbsim", "reset00"):
+        pytest.skip("stands upright, where roll and heading are not defined")
     names = OUTPUTS[:11]
     condition = TrimCondition.from_file(file, aircraft, mode="none")
     plane = JSBSimFDM(aircraft_model=aircraft, condition=condition, output_properties=names)

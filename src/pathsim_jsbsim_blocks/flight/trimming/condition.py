@@ -262,7 +262,10 @@ class TrimCondition:
         state = ResetState(file, aircraft, root, create)
         asked = next((mode for mode, trim in MODES.items() if trim == state.trim), "none")
         fields = state.fields(changes.get("mode", asked))
-        for name in {*fields, "mach", "gamma", "bank"} & {*changes} - {"mode", "setup"}:
+        for name in {*fields, "mach", "gamma", "bank", "latitude", "longitude"} & {*changes} - {
+            "mode",
+            "setup",
+        }:
             if fields["mode"] == "none" and name != "engines_off":
                 why = f"{name} is that of the file in mode 'none': change it by setup, or trim"
                 refuse(name, changes[name], f"{why} (mode='full')")
