@@ -72,11 +72,12 @@ def fleet_table(names=None, duration=30.0):
 
 def level_or_glide(aircraft, fly=0.0):
     """Level flight, or else a glide; flown for a time in s."""
+    airframe, clean = prepared(aircraft, None)
     try:
-        return first_trim(aircraft, None, TRIES, fly, mode="full")
+        return first_trim(airframe, clean, TRIES, fly, mode="full")
     except TrimError as error:
         with contextlib.suppress(TrimError):
-            return first_trim(aircraft, None, GLIDES, fly, mode="glide")
+            return first_trim(airframe, clean, GLIDES, fly, mode="glide")
         raise error
 
 

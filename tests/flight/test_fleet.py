@@ -17,7 +17,7 @@ from plain_jsbsim import fly, trimmed
 
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names
-from pathsim_jsbsim_blocks.flight.fleet import TRIES, first_trim, level_flight
+from pathsim_jsbsim_blocks.flight.fleet import TRIES, first_trim, level_flight, prepared
 
 DOCS = Path(__file__).parents[2] / "docs"
 T = 1 / 120
@@ -133,7 +133,7 @@ def test_level_flight_is_a_plain_loop(aircraft):
 )
 def test_the_others_say_why_not(aircraft, reason):
     with pytest.raises((TrimError, AircraftError), match=re.escape(repr(aircraft))) as error:
-        first_trim(aircraft, None, TRIES[:1], mode="full")
+        first_trim(*prepared(aircraft, None), TRIES[:1], mode="full")
     assert getattr(error.value, "reason", "AircraftError") == reason
 
 

@@ -84,40 +84,27 @@ def level_flight(
         if it trims at none of the conditions; the residuals are those of the first
     """
     tries = integer("tries", tries, low=1)
-    airframe, _ = prepared(aircraft, root, create, substeps)
+    airframe, clean = prepared(aircraft, root, create, substeps)
     mode, conditions = ("full", TRIES) if airframe.engines else ("glide", GLIDES)
-    return first_trim(
-        aircraft,
-        root,
-        conditions[:tries],
-        create=airframe.created,
-        substeps=substeps,
-        mode=mode,
-        solver=solver,
-    )
+    return first_trim(airframe, clean, conditions[:tries], mode=mode, solver=solver)
 
 
 def first_trim(
-    aircraft: str,
-    root: str | None,
+    airframe: Airframe,
+    clean: TrimCondition,
     tries: Sequence[tuple[float, float]],
     fly: float = 0.0,
-    create: Mapping[str, float] | str | None = None,
-    substeps: int = 1,
     **fields: Any,
 ) -> LevelFlight:
-    """The first of the tries that trims, with further fields of the condition."""
-    airframe, clean = prepared(aircraft, root, create, substeps)
-    create = airframe.created
+    """The first of the tries at which a prepared aircraft trims, with more of the condition."""
     first: TrimError | None = None
     for altitude, lift_coefficient in tries:
         speed = level_speed(airframe, lift_coefficient)
         condition = replace(clean, altitude=altitude, speed=speed, **fields)
         try:
             # a failed search affects the next one, so each has its own airframe
-            fresh = Airframe(aircraft, root=root, create=create, substeps=substeps)
-            state = trim(fresh, condition, hint=False, fly=fly)
-            return LevelFlight(aircraft, condition, create, state)
+            state = trim(airframe.twin(), condition, hint=False, fly=fly)
+            return LevelFlight(airframe.aircraft, condition, airframe.created, state)
         except TrimError as error:
             first = first or error
     assert first is not None

@@ -187,7 +187,7 @@ def aircraft_report(
             model: dict[str, Any] = {"aircraft": file.aircraft, "root": root}
             model |= {"create": airframe.created, "substeps": substeps}
             tanks = tuple(map(airframe.fdm.get_property_value, airframe.tanks))
-            flown = _flown(model, clean, airframe.engines > 0)
+            flown = _flown(airframe, clean, model)
         except BlocksError as error:
             if (create or setup) and isinstance(error, (ParameterError, PropertyError)):
                 raise
@@ -214,15 +214,15 @@ def _fault(subject: str, reason: str, advice: str = "") -> Fault:
     return Fault(subject, reason, _ADVICE.get(advice, _ADVICE[subject]))
 
 
-def _flown(model: Mapping[str, Any], clean: TrimCondition, powered: bool) -> dict[str, Any]:
+def _flown(airframe: Airframe, clean: TrimCondition, model: Mapping[str, Any]) -> dict[str, Any]:
     """Condition, effects, trim, modes and faults; empty tanks that engines need are half filled."""
-    mode, tries = ("full", TRIES) if powered else ("glide", GLIDES)
+    mode, tries = ("full", TRIES) if airframe.engines else ("glide", GLIDES)
     try:
-        flight = first_trim(**model, tries=tries, fly=10.0, mode=mode, setup=clean.setup)
+        flight = first_trim(airframe, clean, tries, fly=10.0, mode=mode)
     except TrimError as error:
         if error.reason == "fuel" and not error.properties.keys() & clean.setup.keys():
             half = _half_full(model, error.properties)
-            report = _flown(model, replace(clean, setup={**clean.setup, **half}), powered)
+            report = _flown(airframe, replace(clean, setup={**clean.setup, **half}), model)
             fault = _fault("fuel", f"engines need fuel in empty tanks; in this report setup={half}")
             return {**report, "faults": (fault, *report["faults"])}
         report = _moved(model, error.condition)
