@@ -120,7 +120,8 @@ class TrimError(BlocksError, RuntimeError):
     reason : str
         the quantity that reached its limit: "thrust", "alpha limit", "elevator", "aileron",
         "rudder", "bank", "sideslip", "path angle" or "speed", on the ground "height", "pitch angle"
-        or "bank"; "ground" if an aircraft in flight touches it; "mach" (propellers); "no
+        or "bank"; "ground" if an aircraft in flight
+        touches it or starts below it; "turbulence" in the setup; "mach" (propellers); "no
         equilibrium" if the state is not steady; or "no convergence". Of engines: "fuel" (empty
         tanks), "fuel valve" (fuel shut off by the model), "mixture", "engine" (does not run for
         another reason) or "propeller" (does not settle). Of the model: "no effect" (of a command),

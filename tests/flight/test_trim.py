@@ -173,6 +173,34 @@ def test_engines_idle_as_they_do_after_minutes_on_the_ground():
     assert airframe.fdm["attitude/theta-deg"] == pytest.approx(state.theta, abs=0.3)
 
 
+TURBULENCE = {
+    "atmosphere/turb-type": 3,
+    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 50,
+    "atmosphere/turbulence/milspec/severity": 4,
+}
+
+
+@pytest.mark.parametrize("aircraft", ["c172p", "737"])
+def test_turbulence_before_the_trim_is_refused_and_after_it_flies(aircraft):
+    condition = {"altitude": 10_000, "speed": 280, "gear": 0} if aircraft == "737" else {}
+    condition = {"altitude": 5000, "speed": 90, **condition}
+    with pytest.raises(TrimError, match="into properties") as error:
+        trim(Airframe(aircraft), TrimCondition(**condition), TURBULENCE)
+    assert error.value.reason == "turbulence"
+    plane = Aircraft(aircraft, **condition, properties=TURBULENCE)
+    assert max(map(abs, (plane.trim.udot, plane.trim.wdot))) <= 1e-4
+    # without strength it does not act
+    trim(Airframe(aircraft), TrimCondition(**condition), {"atmosphere/turb-type": 3})
+
+
+@pytest.mark.parametrize("mode", ["none", "full"])
+def test_a_start_below_the_terrain_is_named(mode):
+    setup = {"ic/terrain-elevation-ft": 3000}
+    with pytest.raises(TrimError, match="500 ft below the terrain") as error:
+        trim(Airframe("c172p"), TrimCondition(mode=mode, altitude=2500, speed=90, setup=setup))
+    assert error.value.reason == "ground"
+
+
 def test_an_aircraft_that_does_not_come_to_rest_is_told_so():
     with pytest.raises(TrimError, match="does not come to rest") as error:
         trim(Airframe("SGS"), TrimCondition(mode="ground", altitude=0))

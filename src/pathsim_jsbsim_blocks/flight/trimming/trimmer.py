@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._core.aircraft_ports import property_of
 from ..airframe import Airframe
 from . import check, ground, jsbsim
 from .check import HandsOff
@@ -23,6 +24,13 @@ from .state import STATE, TrimState, not_finite, read_state
 
 # initial guesses, tried until one leads to a trim: alpha in deg, throttle
 _GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
+
+# strengths of turbulence and gusts, in which no flight is steady
+_UNSTEADY_AIR = (
+    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps",
+    "atmosphere/turb-gain",
+    "atmosphere/cosine-gust/start",
+)
 
 # bisections of the throttle between too little and too much thrust
 _HALVINGS = 10
@@ -173,8 +181,17 @@ class Trimmer:
     def _refuse_impossible(self, condition: TrimCondition) -> None:
         """Raise TrimError if no search can succeed."""
         airframe, fdm = self.airframe, self.airframe.fdm
+        height = fdm[property_of("h_agl")]
+        if height < 0.0 and condition.mode != "ground":
+            why = f"it starts {-height:.6g} ft below the terrain, whose elevation is "
+            why += f"{fdm['ic/terrain-elevation-ft']:.6g} ft"
+            raise failure(airframe, condition, "ground", why)
         if condition.mode == "none":
             return
+        if names := [name for name in _UNSTEADY_AIR if airframe.has(name) and fdm[name]]:
+            why = f"{', '.join(names)} would act during the search: put turbulence and gusts into "
+            why += "properties, which are written after the trim"
+            raise failure(airframe, condition, "turbulence", why)
         mach = fdm[STATE["mach"]]
         if mach >= 1.0 and airframe.of_engines("propeller-rpm"):
             why = f"Mach {mach:.3g}: propellers give thrust below Mach 1 only"
