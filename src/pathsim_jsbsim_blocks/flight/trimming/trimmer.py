@@ -25,12 +25,11 @@ from .state import STATE, TrimState, not_finite, read_state
 # initial guesses, tried until one leads to a trim: alpha in deg, throttle
 _GUESSES = ((3.0, 0.5), (9.0, 0.9), (-1.0, 0.1))
 
-# strengths of turbulence and gusts, in which no flight is steady
-_UNSTEADY_AIR = (
-    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps",
-    "atmosphere/turb-gain",
-    "atmosphere/cosine-gust/start",
-)
+# strengths of JSBSim's turbulence by type, of which milspec and tustin are the last, and its gust
+_CULP = 2.0
+_TURBULENCE = "atmosphere/turb-gain"
+_MILSPEC = "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps"
+_GUST = "atmosphere/cosine-gust/start"
 
 # bisections of the throttle between too little and too much thrust
 _HALVINGS = 10
@@ -188,7 +187,9 @@ class Trimmer:
             raise failure(airframe, condition, "ground", why)
         if condition.mode == "none":
             return
-        if names := [name for name in _UNSTEADY_AIR if airframe.has(name) and fdm[name]]:
+        kind = fdm["atmosphere/turb-type"]
+        strengths = [_GUST, *([_MILSPEC if kind > _CULP else _TURBULENCE] if kind else [])]
+        if names := [name for name in strengths if fdm[name]]:
             why = f"{', '.join(names)} would act during the search: put turbulence and gusts into "
             why += "properties, which are written after the trim"
             raise failure(airframe, condition, "turbulence", why)
