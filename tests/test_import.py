@@ -102,3 +102,19 @@ def test_names_of_the_package_whatever_is_asked_first():
     assert said[0].startswith("cannot import name 'Aircaft' from 'pathsim_jsbsim_blocks'")
     assert said[1:3] == ["module 'pathsim_jsbsim_blocks' has no attribute 'Aircaft'", "Aircaft"]
     assert said[3].startswith("cannot import name 'Airframes' from 'pathsim_jsbsim_blocks.flight'")
+
+
+LOADED = """
+import json, sys
+from pathsim_jsbsim_blocks import DoubletSource, fly
+ours = {n: m for n, m in sys.modules.items() if n.partition(".")[0] == "pathsim_jsbsim_blocks"}
+lines = sum(len(open(m.__file__, encoding="utf-8").readlines()) for m in ours.values())
+print(json.dumps([[*ours], lines]))
+"""
+
+
+def test_a_source_and_fly_load_little_of_the_package():
+    modules, lines = run(LOADED)
+    assert lines <= 2500
+    core = "pathsim_jsbsim_blocks._core."
+    assert {f"{core}sampling", f"{core}continuous", f"{core}aircraft_ports"}.isdisjoint(modules)

@@ -19,7 +19,7 @@ from pathsim.utils.register import Register
 from pathsim_jsbsim_blocks import DiscretePID
 from pathsim_jsbsim_blocks._core import pathsim_internals as seam
 from pathsim_jsbsim_blocks._core import running
-from pathsim_jsbsim_blocks._core.sampling import Settling
+from pathsim_jsbsim_blocks._core.clock import Settling
 from pathsim_jsbsim_blocks.scripts import runs
 
 pytestmark = pytest.mark.matrix

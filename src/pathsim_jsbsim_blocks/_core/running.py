@@ -12,8 +12,8 @@ from pathsim.events import Schedule
 
 from . import pathsim_internals
 from .checks import must_be, number, positive
+from .clock import SampleClock
 from .progress import progress_bar
-from .sampling import SampleClock, SampledBlock
 from .wiring import warn_of_wiring
 
 # relative; a step count this close to a whole number is rounded to it
@@ -152,8 +152,9 @@ class Steps:
         """Read the order of blocks and connections from the simulation's graph."""
         sim = self._sim
         self._graph = sim.graph
-        self._sampled = [(b, b.clock) for b in sim.blocks if isinstance(b, SampledBlock)]
-        others = [b for b in sim.blocks if not isinstance(b, SampledBlock)]
+        clocks = [(b, getattr(b, "clock", None)) for b in sim.blocks]
+        self._sampled = [(b, clock) for b, clock in clocks if isinstance(clock, SampleClock)]
+        others = [b for b, clock in clocks if not isinstance(clock, SampleClock)]
         self._eventful = [b for b in others if b.events]
         self._recorders = [
             b for b in sim.blocks if getattr(b.sample, "__func__", None) is not Block.sample

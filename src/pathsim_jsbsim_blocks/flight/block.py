@@ -17,10 +17,11 @@ from pathsim.utils.register import Register
 from .._core.aircraft_ports import property_of
 from .._core.callers import warn_user
 from .._core.checks import number, refuse
+from .._core.clock import SHORTEST_PERIOD
 from .._core.continuous import Matrices
 from .._core.parameters import Parametric
 from .._core.pathsim_internals import NamedRegister, port_names, values
-from .._core.sampling import SHORTEST_PERIOD, SampledPlant
+from .._core.sampling import SampledPlant
 from .._core.wiring import name_of
 from ..errors import (
     BlocksError,
