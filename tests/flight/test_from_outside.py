@@ -262,3 +262,20 @@ def test_an_error_of_jsbsim_keeps_its_cause(tmp_path):
         Airframe("c172x", root=root)
     assert "Could not open file: nowhere" in str(error.value)
     assert len(str(error.value)) < 1200
+
+
+def test_values_and_missing_go_together(tmp_path):
+    test = """<system name="late"><channel name="late"><switch name="late/a">
+    <default value="0"/><test logic="AND" value="1">
+    sim-time-sec le 30
+    outside/lever == 0
+    </test></switch></channel></system>"""
+    root = changed(tmp_path, "c172p", before("aerodynamics", test))
+    with pytest.raises(AircraftError) as error:
+        Airframe("c172p", root=root)
+    # JSBSim looks up a name without a slash only when it initialises
+    assert [*error.value.missing] == ["sim-time-sec", "outside/lever"]
+    with pytest.warns(RuntimeWarning, match="created as 0.*sim-time-sec"):
+        airframe = Airframe("c172p", root=root, create={"missing": True, "outside/lever": 0.5})
+    airframe.run_ic()
+    assert airframe.created == {"outside/lever": 0.5, "sim-time-sec": 0.0}

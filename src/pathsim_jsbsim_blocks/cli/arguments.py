@@ -161,7 +161,8 @@ def setup_and_model(args: argparse.Namespace) -> tuple[dict[str, float], dict[st
 
 def created(args: argparse.Namespace) -> dict[str, float] | str:
     """The argument ``create`` of an `Airframe`."""
-    return "missing" if args.create == ["missing"] else values_of("create", args.create)
+    values = values_of("create", (item for item in args.create if item != "missing"))
+    return {"missing": True, **values} if "missing" in args.create else values
 
 
 def values_of(option: str, items: Iterable[str]) -> dict[str, float]:
@@ -173,10 +174,7 @@ def values_of(option: str, items: Iterable[str]) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            alone = "; pass missing alone, and --set for values" if item == "missing" else ""
-            refuse(
-                option, item, f"--{option} needs PROPERTY=VALUE with a number, not {item!r}{alone}"
-            )
+            refuse(option, item, f"--{option} needs PROPERTY=VALUE with a number, not {item!r}")
     return values
 
 

@@ -120,10 +120,12 @@ class Airframe(Powerplant):
         self._files = flag("allow_files", allow_files)
         self._flightgear = optional("flightgear", flightgear, of=address)
         self._cg = None if empty_cg_x is None else number("empty_cg_x", empty_cg_x)
-        self._creates_missing = isinstance(create, str) and create == "missing"
-        if isinstance(create, str) and not self._creates_missing:
+        if isinstance(create, str) and create == "missing":
+            create = {"missing": True}
+        if isinstance(create, str):
             must_be("create", create, "a dict of names and values, or 'missing'")
-        values = {} if self._creates_missing else mapping("create", create)
+        values = dict(mapping("create", create))
+        self._creates_missing = flag("create['missing']", values.pop("missing", False))
         self.created = {name: number(f"create[{name!r}]", x) for name, x in values.items()}
         self._planet = None if planet is None else planet_xml(planet)
         self._equations = integrator_properties(integrators)

@@ -321,12 +321,9 @@ def names_in(element: ET.Element) -> list[str]:
     single = text.strip(), element.get("execute", ""), element.get("value", "")
     for child in element:
         text += f"\n{child.tail or ''}"
-    words: list[str] = []
-    for test in _TEST.findall(text):
-        words += test
+    tested = [word for test in _TEST.findall(text) for word in test]
     pattern = _NAME if element.tag in _PROPERTIES else _PATH
-    names = []
-    for word in (*words, *single):
-        if word and (name := _PATH.fullmatch(word) or pattern.fullmatch(word)):
-            names.append(name[1])
-    return names
+    # a test may name a property without a slash, which JSBSim looks up when it initialises
+    matches = [_PATH.fullmatch(word) or _NAME.fullmatch(word) for word in tested]
+    matches += [_PATH.fullmatch(word) or pattern.fullmatch(word) for word in single if word]
+    return [match[1] for match in matches if match]
