@@ -46,16 +46,14 @@ def _all(nodes: Iterable[ast.AST], local: frozenset[str]) -> Iterator[ast.Name]:
 def used(node: ast.AST) -> set[str]:
     """Names of the module that ``node`` reads, now or when a function in it is called."""
     # x += 1 and del x also need an x, although the syntax tree does not mark it as a Load
-    augmented = {id(n.target) for n in ast.walk(node) if isinstance(n, ast.AugAssign)}
-    return {
-        n.id for n in references(node) if not isinstance(n.ctx, ast.Store) or id(n) in augmented
-    }
+    targets = {id(n.target) for n in ast.walk(node) if isinstance(n, ast.AugAssign)}
+    return {n.id for n in references(node) if not isinstance(n.ctx, ast.Store) or id(n) in targets}
 
 
 def bound(nodes: Iterable[ast.AST]) -> frozenset[str]:
     """Names that ``nodes`` bind in their own scope."""
     names: set[str] = set()
-    elsewhere: set[str] = set()
+    outer: set[str] = set()
     todo = list(nodes)
     while todo:
         node = todo.pop()
@@ -64,7 +62,7 @@ def bound(nodes: Iterable[ast.AST]) -> frozenset[str]:
         elif isinstance(node, (ast.Lambda, *_COMPREHENSIONS)):
             pass
         elif isinstance(node, (ast.Global, ast.Nonlocal)):
-            elsewhere.update(node.names)
+            outer.update(node.names)
         else:
             if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
                 names.add(node.id)
@@ -73,7 +71,7 @@ def bound(nodes: Iterable[ast.AST]) -> frozenset[str]:
             elif isinstance(node, (ast.ExceptHandler, ast.MatchAs, ast.MatchStar)) and node.name:
                 names.add(node.name)
             todo.extend(ast.iter_child_nodes(node))
-    return frozenset(names - elsewhere)
+    return frozenset(names - outer)
 
 
 def arguments(function: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> list[ast.arg]:
@@ -108,6 +106,6 @@ def _matched(target: ast.expr, value: ast.expr) -> Iterator[tuple[ast.Name, ast.
     if isinstance(target, ast.Name):
         yield target, value
     elif isinstance(target, lists) and isinstance(value, lists):
-        alike = len(target.elts) == len(value.elts)
-        for inner, part in zip(target.elts, value.elts, strict=True) if alike else ():
+        same_length = len(target.elts) == len(value.elts)
+        for inner, part in zip(target.elts, value.elts, strict=True) if same_length else ():
             yield from _matched(inner, part)

@@ -104,20 +104,20 @@ class Settings:
         variable, parameter = match.groups()
         if parameter is None:
             if variable not in constants:
-                inside = [
+                candidates = [
                     f"{block}.{variable}"
                     for block, own in calls.items()
                     if any(k.arg == variable for call in own for k in call.keywords)
                 ]
                 reason = f"{self._script} has no constant {variable!r} that it assigns once"
                 names = [name for name in constants if name not in calls]
-                return reason + (did_you_mean(inside) or _listed(variable, names, calls))
+                return reason + (did_you_mean(candidates) or _listed(variable, names, calls))
             return "" if variable in used(tree) else f"{self._script} never uses it"
         if not calls.get(variable):
             reason = f"{self._script} assigns no block to {variable!r}"
             return reason + _listed(variable, calls)
-        stored = (n for n in ast.walk(tree) if isinstance(n, ast.Attribute) and _is_stored(n))
-        lines = [node.lineno for node in stored if ast.unparse(node) == name]
+        stores = (n for n in ast.walk(tree) if isinstance(n, ast.Attribute) and _is_stored(n))
+        lines = [node.lineno for node in stores if ast.unparse(node) == name]
         return f"{self._script} sets it itself, in line {lines[0]}" if lines else ""
 
     def constant(self, name: str, replaced: Any) -> Any:
@@ -144,19 +144,19 @@ class Settings:
             return args, kwargs  # the call itself raises the better error
         parameters = _named(signature)
         # a function may pass further keywords on
-        further = [n for n, p in signature.parameters.items() if p.kind is p.VAR_KEYWORD]
-        passed: dict[str, Any] = bound.arguments.get(further[0], {}) if further else {}
+        catch_all = [n for n, p in signature.parameters.items() if p.kind is p.VAR_KEYWORD]
+        options: dict[str, Any] = bound.arguments.get(catch_all[0], {}) if catch_all else {}
         for parameter in names:
             name = f"{variable}.{parameter}"
             if parameter in parameters:
                 replaced = bound.arguments.get(parameter, parameters[parameter].default)
                 bound.arguments[parameter] = self._taken(name, replaced)
-            elif parameter in passed:
-                passed[parameter] = self._taken(name, passed[parameter])
+            elif parameter in options:
+                options[parameter] = self._taken(name, options[parameter])
             else:
                 what = getattr(make, "__name__", repr(make))
                 reason = f"{what} has no parameter {parameter!r}"
-                self._refuse(name, reason + _listed(parameter, [*parameters, *passed]))
+                self._refuse(name, reason + _listed(parameter, [*parameters, *options]))
         return bound.args, bound.kwargs
 
     def _taken(self, name: str, replaced: Any) -> Any:
@@ -174,14 +174,14 @@ def _constants(tree: ast.Module) -> dict[str, ast.expr]:
     """The expression assigned to each name that is bound exactly once, at the top level."""
     nodes = own(tree.body)
     times = Counter([n.id for n in nodes if isinstance(n, ast.Name) and _is_stored(n)])
-    other = {name for n in ast.walk(tree) if isinstance(n, ast.Global) for name in n.names}
-    other |= {name for n in nodes if isinstance(n, _BINDING) for name in bound([n])}
+    bindings = {name for n in ast.walk(tree) if isinstance(n, ast.Global) for name in n.names}
+    bindings |= {name for n in nodes if isinstance(n, _BINDING) for name in bound([n])}
     return {
         target.id: value
         for node in nodes
         if isinstance(node, _ASSIGNING) and len(getattr(node, "targets", (1,))) == 1
         for target, value in assignments(node)
-        if times[target.id] == 1 and target.id not in other
+        if times[target.id] == 1 and target.id not in bindings
     }
 
 
@@ -210,18 +210,18 @@ def _is_stored(node: ast.Name | ast.Attribute) -> bool:
 
 def _named(signature: inspect.Signature) -> dict[str, inspect.Parameter]:
     """Parameters that can be passed by name."""
-    named = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
-    return {n: p for n, p in signature.parameters.items() if p.kind in named}
+    kinds = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    return {n: p for n, p in signature.parameters.items() if p.kind in kinds}
 
 
 def _following(names: Iterable[str], tree: ast.AST) -> set[str]:
     """The variables whose values depend on those of ``names``, these included."""
-    variables, before = set(names), set[str]()
-    while variables != before:
-        before = set(variables)
+    variables, previous = set(names), set[str]()
+    while variables != previous:
+        previous = set(variables)
         for node in ast.walk(tree):
             value = getattr(node, "value", None) or getattr(node, "iter", None)
-            if isinstance(value, ast.AST) and _names(value) & before:
+            if isinstance(value, ast.AST) and _names(value) & previous:
                 targets = getattr(node, "targets", None) or [getattr(node, "target", None)]
                 inner = (n for t in targets if t for n in ast.walk(t))
                 variables |= {n.id for n in inner if isinstance(n, ast.Name)}
