@@ -67,8 +67,8 @@ class Element:
         """An attribute, by default the first of the ``choices``; without these it is required."""
         value = self.attributes.get(name, choices[0] if choices else "")
         if not value or (choices and value not in choices):
-            expected = f"; it must be one of {', '.join(choices)}" if choices else ""
-            raise self.error(f"{self.tag} has {name}={value!r}{expected}", name=value, of=choices)
+            hint = f"; it must be one of {', '.join(choices)}" if choices else ""
+            raise self.error(f"{self.tag} has {name}={value!r}{hint}", name=value, of=choices)
         return value
 
     def number(self, name: str, default: Any) -> Any:

@@ -113,8 +113,8 @@ def _piecewise(element: Element) -> Expression:
     element.only("piece", "otherwise")
     parts = sorted(element.children, key=lambda part: part.tag == "otherwise")
     for part in parts:
-        expected = 2 - (part is parts[-1] and part.tag == "otherwise")
-        if len(part.children) != expected or len(parts) > _ANY:
+        count = 2 - (part is parts[-1] and part.tag == "otherwise")
+        if len(part.children) != count or len(parts) > _ANY:
             raise part.error(f"a piece needs a value and a condition; at most {_ANY} pieces")
     if not parts:
         raise element.error("the piecewise is empty")
@@ -142,5 +142,7 @@ def python_of(expression: Expression, name: Callable[[str], str]) -> str:
     operator = OPERATORS[kind][2]
     if operator[0] != " ":
         return f"{operator}({', '.join(parts)})"
-    joined = f"({operator.join(parts)})"
-    return f"({joined} * 1.0)" if operator in _COMPARISONS else joined  # a bool is an integer
+    expression = f"({operator.join(parts)})"
+    return (
+        f"({expression} * 1.0)" if operator in _COMPARISONS else expression
+    )  # a bool is an integer

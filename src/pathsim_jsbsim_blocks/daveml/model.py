@@ -270,10 +270,10 @@ def _shots(root: Element, model: DaveModel) -> Iterator[tuple[str, dict[str, flo
     ids = dict(zip(model.variables, model.variables, strict=True))
 
     def read(signal: Element, names: Mapping[str, str]) -> tuple[str, float]:
-        named, value = signal.one("signalName", "signalID", "varID"), signal.one("signalValue")
-        name, names = named.text.strip(), names if named.tag == "signalName" else ids
+        label, value = signal.one("signalName", "signalID", "varID"), signal.one("signalValue")
+        name, names = label.text.strip(), names if label.tag == "signalName" else ids
         if name not in names:
-            raise named.error(f"no variable {name!r}", name=name, of=names)
+            raise label.error(f"no variable {name!r}", name=name, of=names)
         return names[name], value.parse(value.text)
 
     for shot in (shot for data in root.all("checkData") for shot in data.all("staticShot")):

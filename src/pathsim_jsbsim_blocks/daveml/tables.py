@@ -88,8 +88,8 @@ class Grid:
 def read_tables(root: Element) -> dict[str, tuple[Element, Table, tuple[str, ...]]]:
     """By output variable: the function element, its table and the table's arguments."""
     definitions: dict[tuple[str, str], Element] = {}
-    inside = (x for f in root.all("function") for d in f.all("functionDefn") for x in d.children)
-    for element in [*root.children, *inside]:
+    children = (x for f in root.all("function") for d in f.all("functionDefn") for x in d.children)
+    for element in [*root.children, *children]:
         for key in ("bpID", "gtID", "utID"):
             if key in element.attributes and not element.tag.endswith("Ref"):
                 definitions[key, element.attributes[key]] = element
@@ -132,8 +132,8 @@ def _grid(data: Element, variables: Sequence[Element], points: Sequence[Element]
     axes = [_axis(v, p, p.numbers()) for v, p in zip(variables, points, strict=True)]
     values, shape = data.numbers(), [len(axis.points) for axis in axes]
     if math.prod(shape) != len(values):
-        needed = " x ".join(map(str, shape))
-        raise data.error(f"{needed} breakpoints need {math.prod(shape)} values, not {len(values)}")
+        counts = " x ".join(map(str, shape))
+        raise data.error(f"{counts} breakpoints need {math.prod(shape)} values, not {len(values)}")
     return Grid(axes, values)
 
 
@@ -159,15 +159,15 @@ def _scattered(data: Element, variables: Sequence[Element]) -> Table:
     points, values = [row[:-1] for row in rows], [row[-1] for row in rows]
     try:
         # rescaled, so that all variables have the same weight in distances
-        inside = LinearNDInterpolator(points, values, rescale=True)
+        linear = LinearNDInterpolator(points, values, rescale=True)
     except QhullError:
         raise data.error("its points span no area or volume") from None
-    outside = NearestNDInterpolator(points, values, rescale=True)
+    nearest = NearestNDInterpolator(points, values, rescale=True)
 
     def table(*x: float) -> float:
         at = [min(max(value, a.low), a.high) for value, a in zip(x, axes, strict=True)]
-        y = float(inside([at])[0])
-        return float(outside([at])[0]) if math.isnan(y) else y
+        y = float(linear([at])[0])
+        return float(nearest([at])[0]) if math.isnan(y) else y
 
     return table
 
