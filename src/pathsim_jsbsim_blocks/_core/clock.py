@@ -116,7 +116,8 @@ class SampleClock(Schedule):
             # `Block.off` resets the block after its events are off
             self.off()
         self.period = self.t_period = sample_period(self.block.T)
-        self.start, self.begun = 0.0, (0, None)
+        self.start = 0.0
+        self.begun: tuple[int, Any] = 0, None
         self._set((0, None, None))
 
     def _set(self, now: tuple[int, Any, Any]) -> None:
