@@ -142,7 +142,7 @@ def python_of(expression: Expression, name: Callable[[str], str]) -> str:
     operator = OPERATORS[kind][2]
     if operator[0] != " ":
         return f"{operator}({', '.join(parts)})"
-    expression = f"({operator.join(parts)})"
+    chain = f"({operator.join(parts)})"
     return (
         f"({expression} * 1.0)" if operator in _COMPARISONS else expression
     )  # a bool is an integer
