@@ -143,6 +143,4 @@ def python_of(expression: Expression, name: Callable[[str], str]) -> str:
     if operator[0] != " ":
         return f"{operator}({', '.join(parts)})"
     chain = f"({operator.join(parts)})"
-    return (
-        f"({expression} * 1.0)" if operator in _COMPARISONS else expression
-    )  # a bool is an integer
+    return f"({chain} * 1.0)" if operator in _COMPARISONS else chain  # a bool is an integer
