@@ -244,6 +244,13 @@ def draw(picture):
     ax = figure.add_axes((0, 0, 1, 1))
     ax.set(xlim=(left, right), ylim=(low, high))
     ax.axis("off")
+    draw_on(ax, picture)
+    return figure
+
+
+def draw_on(ax, picture, points=TEXT):
+    """Draw the blocks and connections of a picture in the units of its places."""
+    blocks = picture["blocks"]
     for path in picture["wires"]:
         wire(ax, blocks, path)
     for x, y, text, name in blocks.values():
@@ -252,7 +259,7 @@ def draw(picture):
             ax.add_patch(
                 plt.Rectangle((x - w, y - h), 2 * w, 2 * h, fc=FILL, ec=EDGE, lw=1.4, zorder=3)
             )
-            ax.text(x, y, text, color=INK, ha="center", va="center", fontsize=TEXT, zorder=4)
+            ax.text(x, y, text, color=INK, ha="center", va="center", fontsize=points, zorder=4)
         else:
             ax.add_patch(plt.Circle((x, y), w, fc=FILL, ec=EDGE, lw=1.4, zorder=3))
             ax.text(x, y, "+", color=INK, ha="center", va="center", fontsize=TEXT, zorder=4)
@@ -268,7 +275,6 @@ def draw(picture):
         )
     for x, y, text in picture.get("notes", ()):
         ax.text(x, y, text, color=WIRE, ha="center", va="bottom", fontsize=TEXT)
-    return figure
 
 
 def main():

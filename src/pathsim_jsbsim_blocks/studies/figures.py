@@ -429,10 +429,12 @@ def _load_factors(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str]) -> No
         fine = np.linspace(0.0, root[-1], 50)
         speed, n = np.interp(fine, root, [0.0, *line.value]), fine**2
         sign = np.sign(line.load_factor.iloc[0])
-        if largest.isin(line.load_factor).all():
-            # CS 23.337: the negative limit holds up to VC
-            end = max([*(ends if sign > 0.0 else ends[:1]), speed[-1]])
+        # CS 23.337: the negative limit holds up to VC
+        end = max([*(ends if sign > 0.0 else ends[:1]), speed[-1]])
+        reached = largest.isin(line.load_factor).all()
+        if reached or sign < 0.0:
             corners[sign * n[-1]] = end
+        if reached:
             speed, n = np.append(speed, end), np.append(n, n[-1])
             if sign > 0.0:
                 speeds["VA"] = line.value[-1:]
@@ -440,7 +442,8 @@ def _load_factors(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str]) -> No
         ax.plot(speed, sign * n, "C0", label=label)
     if len(ends) == 2 and len(corners) == 2:
         (high, fast), (low, slow) = sorted(corners.items(), reverse=True)
-        ax.plot([fast, fast, slow], [high, 0.0, low], "C0")
+        style = "C0" if low == limit.load_factor.min() else "C0:"  # dotted where no trim is known
+        ax.plot([fast, fast, slow], [high, 0.0, low], style)
     for name, speed in speeds.items():
         if len(speed) and ax.lines:
             span: dict[str, Any] = {
