@@ -29,6 +29,7 @@ QUICK = {
     "fleet": ["docs/generate.py", "fleet"],
     "diagrams": ["docs/generate.py", "diagrams"],
     "studies": ["docs/generate.py", "studies"],
+    "first picture": ["docs/hero.py"],
     "evidence charts": ["docs/evidence_charts.py"],
     "pathview": ["docs/screenshots.py"],
     "drawing": [

@@ -5,6 +5,8 @@ Formulas become MathML, which browsers draw themselves: no script and no network
 
 import inspect
 import re
+import tempfile
+from pathlib import Path
 
 from docutils import nodes
 from docutils.utils.math import MathError
@@ -15,6 +17,7 @@ from sphinx.util import logging
 from sphinx.util.inspect import stringify_signature
 
 from pathsim_jsbsim_blocks.catalogue import diagram_names
+from pathsim_jsbsim_blocks.cli import main as command
 
 FUNCTION = r'<mo form="prefix" lspace="0.17em" rspace="0.17em">\1</mo>\2'
 
@@ -45,6 +48,15 @@ def write_diagram_pages(app):
         page, text = folder / f"{name}.rst", diagram_page(name)
         if not page.exists() or page.read_text(encoding="utf-8") != text:
             page.write_text(text, encoding="utf-8")
+
+
+def write_flight(app, error):
+    """The animated flight of the front page, which needs no network."""
+    page = Path(app.outdir, "flight.html")
+    if error is None and app.builder.format == "html" and not page.exists():
+        with tempfile.TemporaryDirectory() as folder:
+            figure = str(Path(folder, "flight.png"))
+            command(["run", "autoland_c172p", "--track", str(page), "--save", figure])
 
 
 def link_pages(app, name, source):
@@ -86,6 +98,7 @@ def setup(app):
     app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
     app.connect("autodoc-process-signature", signature_of_block)
     app.connect("builder-inited", write_diagram_pages)
+    app.connect("build-finished", write_flight)
     app.connect("source-read", link_pages)
     app.connect("doctree-read", open_in_full)
     return {"parallel_read_safe": True}

@@ -159,7 +159,8 @@ def test_links_and_pictures_are_there(page):
         r"\]\(([^)#]+)[^)]*\)|src=\"([^\"]+)\"", page.read_text(encoding="utf-8")
     ):
         path = target[0] or target[1]
-        if not path.startswith("http"):
+        # docs/hooks.py writes the flight into the site
+        if not path.startswith("http") and path != "flight.html":
             assert (page.parent / path).exists(), path
 
 
