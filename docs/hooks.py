@@ -53,7 +53,8 @@ def write_diagram_pages(app):
 def write_flight(app, error):
     """The animated flight of the front page, which needs no network."""
     page = Path(app.outdir, "flight.html")
-    if error is None and app.builder.format == "html" and not page.exists():
+    whole = error is None and app.builder.format == "html" and app.config.root_doc == "index"
+    if whole and not page.exists():
         with tempfile.TemporaryDirectory() as folder:
             figure = str(Path(folder, "flight.png"))
             command(["run", "autoland_c172p", "--track", str(page), "--save", figure])

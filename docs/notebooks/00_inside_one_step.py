@@ -17,13 +17,13 @@
 # JSBSim sums the forces $F$ and moments $M$ in body axes. With the mass $m$, the inertia $I$, the velocity $v$ and the rates
 # $\omega$:
 #
-# $$
-# \dot v &= \frac{F}{m} + g - \omega \times v \\
-# \dot\omega &= I^{-1}\left(M - \omega \times I\omega\right) \\
-# \dot\phi &= p + \tan\theta\,(q\sin\phi + r\cos\phi) \\
-# \dot\theta &= q\cos\phi - r\sin\phi \\
-# \dot\psi &= (q\sin\phi + r\cos\phi)/\cos\theta
-# $$
+# $$\dot v = \frac{F}{m} + g - \omega \times v$$
+#
+# $$\dot\omega = I^{-1}\left(M - \omega \times I\omega\right)$$
+#
+# $$\dot\phi = p + \tan\theta\,(q\sin\phi + r\cos\phi)$$
+#
+# $$\dot\theta = q\cos\phi - r\sin\phi, \qquad \dot\psi = (q\sin\phi + r\cos\phi)/\cos\theta$$
 #
 # A Cessna 172, trimmed by JSBSim alone:
 

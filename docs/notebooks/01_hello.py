@@ -4,6 +4,8 @@
 # A Cessna 172, trimmed at 3000 ft and 80 knots. This chapter flies it for a second, first with JSBSim alone, then
 # as a block in a diagram, and looks at the properties of the model.
 #
+# *Aim:* to load, trim and step a JSBSim aircraft, alone and as a block. *Assumed:* [chapter 0](00_inside_one_step.ipynb). *Time:* 20 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`. It copies the chapters to
 # a folder of yours and opens them in JupyterLab. Run a cell with Shift+Enter; change a number and run it again.
 

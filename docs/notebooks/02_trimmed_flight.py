@@ -3,6 +3,8 @@
 #
 # "Trimmed" means that the aircraft keeps its flight condition with the controls fixed. Then one control moves.
 #
+# *Aim:* to fly a trimmed aircraft, to move one control, and to read the response. *Assumed:* chapter 1. *Time:* 30 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # ## A minute of trimmed flight
@@ -175,7 +177,10 @@ ground_track(
 
 # %% [markdown]
 # A fixed aileron sets a roll rate, not a bank angle: the aircraft rolls to -57 deg and keeps turning and descending after
-# the aileron returns to neutral. While it is banked its heading changes at
+# the aileron returns to neutral.
+#
+# In a level turn the vertical part of the lift carries the weight, $L\cos\phi = mg$, and its horizontal part bends the path,
+# $L\sin\phi = mV\dot\psi$. Divided:
 #
 # $$\dot\psi = \frac{g \tan\phi}{V}$$
 #
@@ -192,6 +197,23 @@ for name in ("trimmed_flight", "aileron_turn"):
     diagram = load_diagram(name)
     diagram.sim.run(diagram.DURATION)
     print(name, f"{diagram.sim.time:.0f} s")
+
+# %% [markdown]
+# **Exercise.** A standard-rate turn is 3 deg/s. Which bank does it require at 90 KCAS and 5000 ft, where the true airspeed is 163.6 ft/s? The
+# next cell flies your answer.
+
+# %%
+import math
+
+from pathsim_jsbsim_blocks import TrimCondition
+
+answer = math.degrees(math.atan(math.radians(3.0) * 163.6 / 32.17))  # deg
+turn = TrimCondition(altitude=5000, speed=90, mode="turn", bank=answer)
+turning = Aircraft("c172p", condition=turn)
+print(
+    f"{answer:.1f} deg of bank turns at {turning.trim.turn_rate:.2f} deg/s"
+)
+assert abs(turning.trim.turn_rate - 3.0) < 0.05
 
 # %% [markdown]
 # ## In short

@@ -3,6 +3,8 @@
 #
 # Three diagrams without an aircraft: how blocks and connections represent a differential equation.
 #
+# *Aim:* to turn a differential equation into a diagram, and to check its solution. *Assumed:* linear differential equations. *Time:* 40 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # ## A damped oscillator
@@ -215,6 +217,18 @@ with tempfile.TemporaryDirectory() as folder:
     lines = script.read_text(encoding="utf-8").splitlines()
 start = next(i for i, line in enumerate(lines) if "Integrator(" in line)
 print("\n".join(lines[start : start + 6]))
+
+# %% [markdown]
+# **Exercise.** For which damping ratio is the first swing of the oscillator beyond zero 5 % of its start? Peaks of
+# $e^{-\zeta\omega_n t}\cos\omega_d t$ are half a period apart, so the swing is $e^{-\pi\zeta/\sqrt{1-\zeta^2}}$.
+
+# %%
+import math
+
+answer = -math.log(0.05) / math.hypot(math.pi, math.log(0.05))
+swing = math.exp(-math.pi * answer / math.sqrt(1 - answer**2))
+print(f"damping ratio {answer:.2f}")
+assert abs(swing - 0.05) < 0.005
 
 # %% [markdown]
 # [A diagram drawn in PathView](../drawing.md) does all of this with the mouse.

@@ -4,6 +4,8 @@
 # A business jet at 15,000 ft and 250 knots. The elevator is deflected up for 1 s, then down for 1 s; this excites the
 # short period, which decays.
 #
+# *Aim:* to excite the short period and to describe its response. *Assumed:* chapters 2 and 3. *Time:* 30 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # ![DoubletSource, Aircraft, Scope](figures/elevator_doublet.svg)
@@ -121,6 +123,18 @@ diagram = load_diagram("elevator_doublet", {"doublet.amplitude": 0.05})
 diagram.sim.run(diagram.DURATION)
 _, (_, half) = diagram.scope.read()
 print(f"alpha from {half.min():.2f} to {half.max():.2f} deg")
+
+# %% [markdown]
+# **Exercise.** Read the natural frequency of the short period off the figure: the time from a maximum of alpha to the next is a damped
+# period $2\pi / (\omega_n\sqrt{1 - \zeta^2})$. The aircraft's linear model has the answer.
+
+# %%
+modes = {m.name: m for m in plane.linear_model(inputs=["elevator"]).modes()}
+short = modes["short period"]
+damping, period = 0.45, 4.0  # your readings: -, s
+answer = 2 * math.pi / (period * math.sqrt(1 - damping**2))
+print(f"{answer:.2f} rad/s read, {short.frequency:.2f} rad/s in the model")
+assert abs(answer / short.frequency - 1) < 0.2
 
 # %% [markdown]
 # Half the command gives half the response, to 0.01 deg: the aircraft is almost linear here.

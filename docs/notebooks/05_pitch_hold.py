@@ -3,6 +3,8 @@
 #
 # A Cessna 172 raises its nose from the trimmed 1.3 deg to 3 deg and holds it there.
 #
+# *Aim:* to close a loop with the right sign, and to see what each gain does. *Assumed:* chapter 4, proportional and integral control. *Time:* 40 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # ## The loop
@@ -87,6 +89,9 @@ print(f"{plane.outputs['theta']:.3f} deg, {plane.outputs['hdot']:.1f} ft/s")
 # ## The sign
 #
 # The same loop built from PathSim's own blocks, with proportional control only:
+#
+# **Predict.** A positive elevator command moves the nose down. Which sign must the gain from the pitch error to the elevator have? The figures
+# below fly both.
 #
 # $$\Delta\delta_e = K\,(\theta_{\mathrm{ref}} - \theta)$$
 #

@@ -3,6 +3,8 @@
 #
 # The standard atmosphere, and the indication of an airspeed indicator in it.
 #
+# *Aim:* to convert between the airspeeds, and to know when they differ. *Assumed:* the gas law. *Time:* 25 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # ## The standard atmosphere
@@ -18,6 +20,8 @@
 # ![Source, ISAtmosphere, Scope](figures/isa_profile.svg)
 #
 # A `Source` is a function of time: here an altitude that rises by 100 m/s.
+#
+# **Predict.** At 11 km, is the density nearer to a half or to a third of that at sea level? The figure has the answer.
 
 # %%
 import matplotlib.pyplot as plt

@@ -4,6 +4,8 @@
 # A business jet in level flight at 15,000 ft, trimmed at each airspeed. The published notebook is by Sean McLeod, Guilherme Araujo
 # Lima da Silva and Agostino De Marco, for a study of icing: the location of ice on a wing depends on the angle of attack.
 #
+# *Aim:* to read alpha and the elevator in trim over airspeed, weight and centre of gravity. *Assumed:* chapter 2. *Time:* 30 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # In level flight lift equals weight:
@@ -11,6 +13,8 @@
 # $$W = L = \tfrac12 \rho V^2 S\, C_L(\alpha)$$
 #
 # Halving the speed requires four times the lift coefficient, and so a larger angle of attack, until the wing stalls.
+#
+# **Predict.** From 300 to 150 KCAS, does alpha grow to four times its value? The table has the answer, and alpha at zero lift the reason.
 
 # %%
 import pandas as pd

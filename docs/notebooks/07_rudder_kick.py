@@ -3,6 +3,8 @@
 #
 # A 737 at 1000 ft and 200 knots. Rudder and aileron ramp up in 3 s, in opposite senses, and are held.
 #
+# *Aim:* to balance forces and moments in a sideslip. *Assumed:* chapters 2 and 3. *Time:* 25 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # In a steady sideslip the rudder balances the yawing moment of the fin, the ailerons balance the rolling moment of the
@@ -42,6 +44,8 @@ plane = Aircraft(
 
 # %% [markdown]
 # The ramps are increments on the trimmed commands of aileron and rudder.
+#
+# **Predict.** Right aileron and left rudder: towards which side does the aircraft slip, and which wing is low? The figure has the answer.
 
 # %%
 from pathsim import Connection, Simulation

@@ -4,7 +4,11 @@
 # In which direction should the engines of a 737 point for minimum thrust? There are two conditions: "cruise" is level flight at
 # 30,000 ft and Mach 0.8, "climb" is 3 deg at 15,000 ft and 300 knots.
 #
+# *Aim:* to find the thrust angle of minimum thrust, and to check it by the balance of forces. *Assumed:* chapter 6. *Time:* 30 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
+#
+# **Predict.** Should the engines point up or down against the body axis, and by how much? The figure has the answer.
 
 # %%
 from pathsim_jsbsim_blocks import studies

@@ -4,12 +4,16 @@
 # One function trims the Cessna 172P at full throttle, with the throttle closed and in level
 # flight, over all airspeeds, and flies a sample of the results.
 #
+# *Aim:* to read performance charts, and to judge the model behind them. *Assumed:* chapters 6, 9 and 10. *Time:* 30 minutes.
+#
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
 # At constant airspeed $V$ the excess power raises the weight $W$; with the throttle closed the glide
 # ratio is $L/D$:
 #
 # $$\dot h = V \sin\gamma = \frac{(T - D)\,V}{W}, \qquad -\frac{1}{\tan\gamma} = \frac{L}{D}$$
+#
+# **Predict.** At 10,000 ft, is the best rate of climb more or less than half of that at sea level? The chart has the answer.
 
 # %%
 from pathsim_jsbsim_blocks import studies

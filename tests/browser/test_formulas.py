@@ -10,7 +10,12 @@ import pytest
 
 pytest.importorskip("sphinx")
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = {"03_diagrams": "notebooks/03_diagrams.ipynb", "frames": "concepts/frames.md"}
+PAGES = {
+    "03_diagrams": "notebooks/03_diagrams.ipynb",
+    "00_inside_one_step": "notebooks/00_inside_one_step.ipynb",
+    "10_climbs": "notebooks/10_climbs.ipynb",
+    "frames": "concepts/frames.md",
+}
 
 
 @pytest.fixture(scope="module")
@@ -64,4 +69,17 @@ def test_brackets_are_as_tall_as_their_matrices(browser, site):
         brackets = row.locator("> mo").all()
         assert [b for b in brackets if b.bounding_box()["height"] > 0.9 * table], row.inner_html()
     assert page.locator("mtable").count() >= 3
+    page.close()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", PAGES)
+def test_formulas_fit_the_page(browser, site, name):
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    page.goto((site / f"{name}.html").as_uri())
+    page.evaluate("document.fonts.ready")
+    widths = "x => x.map(e => [e.scrollWidth, e.clientWidth])"
+    formulas = page.locator(".formula").evaluate_all(widths)
+    assert formulas
+    assert [pair for pair in formulas if pair[0] > pair[1]] == []
     page.close()
