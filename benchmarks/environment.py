@@ -14,6 +14,7 @@ import subprocess
 import sys
 import time
 
+import gymnasium
 import jsbsim
 import numpy as np
 from pathsim import Connection, Simulation
@@ -26,6 +27,7 @@ STEPS = 300
 RESETS = 15
 PERIODS = 12_000
 REPETITIONS = 9
+FIGURES = ("step", "peer", "pitch", "frames", "ours", "plain", "fly", "loop")
 
 PEER = """
 import sys, time
@@ -60,6 +62,19 @@ def heading():
         step=12 / 60,
         duration=10_000.0,
     )
+
+
+def time_plain_steps():
+    """Seconds per step of the pitch task by JSBSim alone: 12 frames with a command."""
+    fdm = plain()
+    put = fdm.get_property_manager().get_node("fcs/elevator-cmd-norm").set_double_value
+    run = fdm.run
+    start = time.perf_counter()
+    for _ in range(STEPS):
+        put(0.0)
+        for _ in range(12):
+            run()
+    return (time.perf_counter() - start) / STEPS
 
 
 def time_steps(env):
@@ -132,8 +147,8 @@ def time_loop():
 
 def rows(python=None):
     jsbsim.FGJSBBase().debug_lvl = 0
-    found = {name: [] for name in ("step", "peer", "ours", "plain", "fly", "loop")}
-    env = heading()
+    found = {name: [] for name in FIGURES}
+    env, pitch = heading(), gymnasium.make("pathsim-jsbsim/PitchHold-v1").unwrapped
     peer = python and subprocess.Popen(
         [python, "-c", PEER % STEPS], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
@@ -145,6 +160,8 @@ def rows(python=None):
             # between the lines that JSBSim prints
             line = next(line for line in peer.stdout if line.startswith("seconds"))
             found["peer"].append(float(line.split()[1]))
+        found["pitch"].append(time_steps(pitch))
+        found["frames"].append(time_plain_steps())
         found["ours"].append(time_our_resets())
         found["plain"].append(time_resets(plain))
         found["fly"].append(time_diagram())
@@ -154,6 +171,8 @@ def rows(python=None):
         peer.wait()
         name = "gymnasium-jsbsim 0.1.1"
         row("environment: a step of 12 frames", name, found["step"], found["peer"], "us")
+    what = "PitchHold-v1: a step of 12 frames"
+    row(what, "plain loop", found["pitch"], found["frames"], "us", 2.5, "jsbsim")
     what = "reset: load, initialise and trim"
     row(what, "plain loop", found["ours"], found["plain"], "ms", 2.0, "jsbsim")
     row(
