@@ -43,6 +43,7 @@ REFUSED = {
     "--gear": ("2", "gear must lie in [0, 1], not 2"),
     "--jobs": ("0", "jobs must be"),
     "--flaps": ("2", "flaps must lie in [0, 1], not 2"),
+    "--substeps": ("0", "substeps must be at least 1, not 0"),
 }
 
 # what a command works on, where that is not the c172p

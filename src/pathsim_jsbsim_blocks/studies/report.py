@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .._core.checks import mapping
+from .._core.checks import integer, mapping
 from ..errors import BlocksError, ParameterError, PropertyError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, has_retractable_gear
 from ..flight.fleet import GLIDES, TRIES, first_trim, prepared
@@ -177,13 +177,16 @@ def aircraft_report(
     ParameterError, PropertyError
         for impossible names and values in ``create`` and ``setup``
     """
-    file = ModelFile(aircraft, root)
+    file, setup = ModelFile(aircraft, root), mapping("setup", setup)
+    substeps = integer("substeps", substeps, low=1)
     with warnings.catch_warnings():
         # the report itself covers missing properties, nonlinearity and the extended gear
         warnings.simplefilter("ignore")
         try:
             airframe, clean = prepared(aircraft, root, create, substeps)
-            clean = replace(clean, setup={**clean.setup, **mapping("setup", setup)})
+            for name in setup:
+                airframe.writer(name)
+            clean = replace(clean, setup={**clean.setup, **setup})
             model: dict[str, Any] = {"aircraft": file.aircraft, "root": root}
             model |= {"create": airframe.created, "substeps": substeps}
             tanks = tuple(map(airframe.fdm.get_property_value, airframe.tanks))
