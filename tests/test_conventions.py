@@ -172,6 +172,13 @@ def test_a_misspelt_keyword_is_known_with_its_value():
     assert (type(again), str(again)) == (KeywordError, str(error.value))
 
 
+def test_an_error_that_holds_a_function_is_pickled():
+    with pytest.raises(ParameterError) as error:
+        PitchHold(theta_ref=lambda: 1)
+    again = pickle.loads(pickle.dumps(error.value))
+    assert (again.parameter, str(again)) == ("theta_ref", str(error.value))
+
+
 @pytest.mark.parametrize("name", BLOCKS)
 def test_port_names_can_be_told_apart_in_the_editor(name):
     for side in ("input_port_labels", "output_port_labels"):

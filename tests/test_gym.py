@@ -12,6 +12,7 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 from pathsim_jsbsim_blocks import (  # noqa: E402
     Aircraft,
+    FlightError,
     ParameterError,
     PitchHold,
     Sensor,
@@ -181,6 +182,10 @@ def test_a_crash_ends_the_episode_and_the_next_is_the_same_as_ever():
     _, reward, terminated, truncated, info = last
     assert (reward, terminated, truncated) == (-7.0, True, False)
     assert "touched the ground" in info["reason"]
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step([0.3])
+    with pytest.raises(FlightError, match="reset to fly again"):
+        sim.run(1.0)
     assert np.array_equal(flown(env), gentle)
 
 
@@ -407,6 +412,12 @@ def test_bad_options_are_refused(options, parameter):
     with pytest.raises(ParameterError) as error:
         bare(**options)
     assert error.value.parameter == parameter
+
+
+def test_options_without_anything_to_vary_say_so():
+    with pytest.raises(ParameterError, match=r"nothing to vary: make_env\(vary=\.\.\.\)") as error:
+        bare().reset(options={"plane.speed": 95.0})
+    assert error.value.parameter == "options"
 
 
 @pytest.mark.parametrize(

@@ -150,3 +150,8 @@ def test_bad_parameters_are_refused_by_name(make, parameter):
         make()
     assert error.value.parameter == parameter
     assert parameter in str(error.value)
+
+
+def test_the_width_of_a_multistep_is_its_step():
+    with pytest.raises(ParameterError, match=r"no parameter 'width'; did you mean 'step'\?"):
+        MultistepSource(width=1.0)

@@ -8,6 +8,7 @@ import os
 import pickle
 import random
 import sys
+import types
 from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 from unittest.mock import patch
@@ -137,7 +138,8 @@ def outside_generators(function: Any) -> dict[str, Any]:
     """Generators that a function has from one call to the next, by name.
 
     They are those of its module, of other modules imported from its folder, of bound arguments,
-    defaults, the closure, and the object whose method it is.
+    defaults, the closure, and the object whose method it is; those in dicts, classes and objects
+    there; and those of which a method is there (``draw = rng.normal``).
     """
     named: dict[str, Any] = {}
     while isinstance(function, functools.partial):
@@ -161,8 +163,20 @@ def outside_generators(function: Any) -> dict[str, Any]:
             file = getattr(module, "__file__", None) or ""
             if file.startswith(folder) and "site-packages" not in file[len(folder) :]:
                 named |= {f"{name}.{x}": value for x, value in vars(module).items()}
+    parts = [(name, x, part) for name, value in named.items() for x, part in _parts(value)]
+    named |= {f"{name}.{x}": part for name, x, part in parts}
+    for name, value in named.items():
+        if isinstance(value, (types.BuiltinMethodType, types.MethodType)):
+            named[name] = value.__self__
     return {
         name: value
         for name, value in named.items()
         if isinstance(value, _LASTING) and not isinstance(value, random.SystemRandom)
     }
+
+
+def _parts(value: Any) -> list[tuple[Any, Any]]:
+    """Items of a dict, or attributes of a class or object, by name."""
+    if isinstance(value, types.ModuleType):
+        return []
+    return list((value if isinstance(value, dict) else getattr(value, "__dict__", {})).items())

@@ -106,6 +106,16 @@ def test_a_new_speed_says_once_that_it_acts_at_the_next_reset():
     assert plane.outputs["psi"] == pytest.approx(30, abs=1e-9)
 
 
+def test_each_reset_allows_the_warning_again():
+    plane = Aircraft("c172p", **LEVEL)
+    sim = flying(plane)
+    for speed in (95, 100):
+        with pytest.warns(RuntimeWarning, match=f"plane.speed = {speed} acts at the next reset"):
+            plane.speed = speed
+        sim.reset()
+    assert plane.outputs["vc"] == pytest.approx(100, abs=0.5)
+
+
 def test_nothing_is_said_where_the_flight_has_the_value_or_a_script_is_set():
     with warnings.catch_warnings():
         warnings.simplefilter("error")

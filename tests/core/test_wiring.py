@@ -22,6 +22,7 @@ from pathsim_jsbsim_blocks import (
     LinearAircraft,
     Microburst,
     PitchHold,
+    RollHold,
     WindShear,
     YawDamper,
     fly,
@@ -54,6 +55,33 @@ def test_the_command_of_a_hold_that_goes_nowhere():
     assert said(sim) == ["hold['elevator'] is not connected: the command has no effect"]
     assert said(sim) == []
     assert said(sim, lambda: fly(sim, 0.05, reset=True)) == []
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        lambda sim: sim.run(0.05),
+        lambda sim: fly(sim, 0.05),
+        lambda sim: sim.timestep(sim.dt),
+        lambda sim: [*sim.run_streaming(0.05)],
+    ],
+    ids=["run", "fly", "timestep", "streaming"],
+)
+def test_every_way_to_run_warns_of_a_lost_command_and_of_default_gains(run):
+    plane, lost, other = (
+        Aircraft("737", altitude=10_000, speed=280, gear=0),
+        PitchHold(),
+        RollHold(),
+    )
+    wires = [Connection(plane["theta", "q"], lost["theta", "q"])]
+    wires += [Connection(plane["phi", "p"], other["phi", "p"])]
+    wires += [Connection(other["aileron"], plane["aileron"])]
+    sim = Simulation([plane, lost, other], wires, dt=1 / 120, log=False)
+    assert said(sim, lambda: run(sim)) == [
+        "lost['elevator'] is not connected: the command has no effect",
+        "other has the gains of c172p, but flies plane, which is 737",
+    ]
+    assert said(sim, lambda: run(sim)) == []
 
 
 def test_the_warning_is_at_the_line_that_runs():

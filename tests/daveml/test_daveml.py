@@ -382,7 +382,7 @@ def test_inputs_and_files_that_are_not_there(tmp_path):
     with pytest.raises(ParameterError) as error:
         model.evaluate({"angleofattack": 1.0})
     assert (error.value.parameter, error.value.value) == ("angleofattack", 1.0)
-    with pytest.raises(ParameterError) as error:
+    with pytest.raises(ParameterError, match="missing input 'alpha'") as error:
         model.evaluate()
     assert error.value.parameter == "model.dml: the input 'alpha'"
     for values in ([], [1.0], [1.0, 2.0, 3.0]):

@@ -3,11 +3,22 @@
 import itertools
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
+import jsbsim
+import numpy as np
 import pytest
 from models_from_outside import before, changed
 
-from pathsim_jsbsim_blocks import Aircraft, AircraftError, ParameterError, TrimCondition, TrimError
+from pathsim_jsbsim_blocks import (
+    Aircraft,
+    AircraftError,
+    FileError,
+    ParameterError,
+    TrimCondition,
+    TrimError,
+)
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names, level_flight, trim
 from pathsim_jsbsim_blocks.studies import trim_sweep
@@ -222,6 +233,63 @@ def test_no_refusal_and_no_airframe_that_is_let_go_ends_the_process(tmp_path):
     assert run.returncode == 0, run.stderr
     refused = ["AircraftError"] * 2 + ["PropertyError"] * 2
     assert run.stdout.split() == [*refused, *refused, "AircraftError", "still", "there"]
+
+
+def test_elements_nested_3000_deep_are_read_as_jsbsim_reads_them(tmp_path):
+    root, file = changed(tmp_path, "ball"), tmp_path / "aircraft/ball/ball.xml"
+    text = file.read_text()
+    file.write_text(text.replace("</fdm_config>", "<a>" * 3000 + "</a>" * 3000 + "</fdm_config>"))
+    deep, plain = (Aircraft("ball", root=x, mode="none") for x in (root, None))
+    u = [0.0] * len(plain.inputs)
+    assert deep.advance(1, u) == plain.advance(1, u)
+
+
+def test_without_a_folder_for_temporary_files_a_moved_centre_of_gravity_is_refused(monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", "/nonexistent")
+    with pytest.raises(FileError):
+        Aircraft("c172p", condition=TrimCondition(speed=90, empty_cg_x=41.0))
+
+
+@pytest.mark.parametrize("value", [np.array([]), np.array([1.0]), ["a/b"], 5])
+def test_what_is_created_is_a_dict(value):
+    with pytest.raises(ParameterError) as error:
+        Aircraft("c172p", speed=90, create=value)
+    assert error.value.parameter == "create"
+
+
+@pytest.mark.parametrize("names", [np.array("elevator"), "elevator", 3])
+def test_inputs_of_a_linear_model_are_a_list(names):
+    with pytest.raises(ParameterError) as error:
+        Aircraft("c172p", speed=90, mode="none").linear_model(inputs=names)
+    assert error.value.parameter == "inputs"
+
+
+_ELSEWHERE = """
+import os, sys
+import jsbsim
+assert os.path.dirname(jsbsim.__file__) == sys.argv[1], jsbsim.__file__
+from pathsim_jsbsim_blocks import Aircraft, JSBSimFDM
+plane = Aircraft("c172p", altitude=5000.0, speed=90.0)
+plane.advance(1, [0.0] * len(plane.inputs))
+JSBSimFDM(script="scripts/c1723.xml")
+print(repr(plane.outputs["theta"]))
+"""
+
+
+def test_jsbsim_outside_site_packages_flies(tmp_path):
+    """As after ``pip install --target``: JSBSim itself looks in Python's own folders only."""
+    target = tmp_path / "jsbsim"
+    target.symlink_to(Path(jsbsim.__file__).parent, target_is_directory=True)
+    # Python without its own site-packages
+    paths = [str(tmp_path), *(p for p in sys.path if p)]
+    run = subprocess.run(
+        [sys.executable, "-S", "-c", f"import sys; sys.path[:0] = {paths!r}\n{_ELSEWHERE}", target],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+    )
+    assert run.returncode == 0, run.stderr
+    assert float(run.stdout) == Aircraft("c172p", altitude=5000.0, speed=90.0).outputs["theta"]
 
 
 def test_opening_a_healthy_model_again_and_again_takes_no_memory(tmp_path):

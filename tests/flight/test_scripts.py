@@ -1,12 +1,13 @@
 """JSBSim's scripts and reset files in the block, beside plain JSBSim that flies the same files."""
 
 import logging
+import math
 
 import numpy as np
 import pytest
 from flown_scripts import OUTPUTS, recorded, scripted
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Scope
+from pathsim.blocks import Scope, StepSource
 from plain_jsbsim import flown_reset_file, flown_script
 
 from pathsim_jsbsim_blocks import Aircraft, JSBSimFDM, RampSource, TrimCondition
@@ -174,6 +175,23 @@ def test_an_event_starts_the_aircraft_again_while_the_time_goes_on(tmp_path):
         np.testing.assert_array_equal(plane.outputs.to_array(), rows[row])
         sim.run(0.2)
     assert sim.time == pytest.approx(3.0)
+
+
+def test_a_reset_by_an_event_does_not_begin_an_ended_flight_again(tmp_path):
+    name = "fcs/elevator-cmd-norm"
+    script = written(tmp_path, event(put("simulation/reset", 1)), end="60")
+    plane = JSBSimFDM(
+        script=script, input_properties=[name], output_properties=["position/h-sl-ft"]
+    )
+    sick = StepSource(amplitude=[0.0, math.nan], tau=[0.0, 0.995])
+    sim = Simulation([sick, plane], [Connection(sick, plane[0])], dt=plane.T, log=False)
+    for _ in range(2):  # the event is due in the period after the end
+        with pytest.raises(FlightError) as error:
+            sim.run(3.0)
+        assert (error.value.name, error.value.time) == (name, pytest.approx(1.0))
+    assert "reset to fly again" in str(error.value)
+    sim.run(0.5, reset=True)
+    assert plane.samples == 50
 
 
 def test_a_crash_in_a_script_warns_once():

@@ -7,6 +7,8 @@ import pytest
 from flights import POINTS, T, fly, start, step
 from how_many import first
 
+from pathsim_jsbsim_blocks import AltitudeHold, Autopilot, ParameterError
+
 # rate of climb that the thrust sustains [ft/s], climb to capture [ft], largest load factor - 1 [g]
 CLIMBS = {"c172p": (8.0, 200.0, 0.15), "737": (25.0, 1000.0, 0.35)}
 
@@ -89,3 +91,12 @@ def test_height_is_exchanged_for_airspeed():
     # at constant energy, of which the drag of the climb takes some
     gained = (vt[0] ** 2 - vt[slow] ** 2) / 2 / 32.174
     assert 0.6 * gained < h[slow] - h[0] < gained
+
+
+@pytest.mark.parametrize(
+    ("make", "name"), [(AltitudeHold, "h_ref"), (Autopilot, "h_ref"), (Autopilot, "thr_ref")]
+)
+def test_references_beyond_any_flight_are_refused(make, name):
+    with pytest.raises(ParameterError) as error:
+        make(**{name: -1e9})
+    assert (error.value.parameter, error.value.value) == (name, -1e9)

@@ -103,6 +103,17 @@ def test_a_result_that_is_no_row_is_the_reason(result, message):
     assert message in table.reason[0]
 
 
+def test_a_case_edited_by_build_is_its_row_in_the_table():
+    def build(widths):
+        widths.append(0.0)
+        return {"n": len(widths)}
+
+    widths = [[1.0], [2.0, 3.0]]
+    table = run_batch(build, {"widths": [*widths, *widths]}, jobs=1, progress=False)
+    assert table.widths.tolist() == [[1.0], [2.0, 3.0], [1.0], [2.0, 3.0]]
+    assert table.n.tolist() == [2, 3, 2, 3]
+
+
 def test_a_batch_resumes_from_its_file(tmp_path):
     path = tmp_path / "batch.jsonl"
     table = quiet(noise, {"gain": [1.0, 2.0]}, resume=path)

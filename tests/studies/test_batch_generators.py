@@ -38,6 +38,26 @@ def spawned(x):
     return {"y": np.random.default_rng(SEEDS.spawn(1)[0]).normal()}
 
 
+class Settings:
+    rng = np.random.default_rng(1)
+
+
+TOOLS = {"rng": np.random.default_rng(1)}
+draw = np.random.default_rng(1).normal
+
+
+def of_a_class(x):
+    return {"y": Settings.rng.normal()}
+
+
+def of_a_dict(x):
+    return {"y": TOOLS["rng"].normal()}
+
+
+def by_its_method(x):
+    return {"y": draw()}
+
+
 def through_a_helper(x):
     return modern(x)
 
@@ -78,6 +98,9 @@ def enclosed():
         (python, "PYTHON"),
         (spawned, "SEEDS"),
         (through_a_helper, "RNG"),
+        (of_a_class, "Settings.rng"),
+        (of_a_dict, "TOOLS.rng"),
+        (by_its_method, "draw"),
         (before_it_fails, "RNG"),
         (by_default, "default 0"),
         (functools.partial(bound, np.random.default_rng(1)), "argument 0"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import inspect
 import json
 import logging
@@ -276,7 +277,11 @@ def _run_case(run: Callable[..., Any], function: Any, case: dict[str, Any]) -> d
     outside = {x: (r, pickle.dumps(r)) for x, r in outside_generators(function).items()}
     with Seeding(case["seed"]) as seeding:
         try:
-            row = {"completed": True, "reason": "", **_measured(run(seeding, case), case)}
+            row = {
+                "completed": True,
+                "reason": "",
+                **_measured(run(seeding, copy.deepcopy(case)), case),
+            }
         except (Exception, SystemExit) as error:
             log.info("case %s failed", case, exc_info=True)
             reason = f"{type(error).__name__}: {error}".encode(errors="backslashreplace").decode()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NoReturn, get_args
 
 import numpy as np
 
 from ..._core.checks import flag, integer, known_keywords, mapping, must_be, number, one_of, refuse
+from ..._core.own import own
 
 # JSBSim's numbers for simulation/do_simple_trim
 MODES = {"longitudinal": 0, "full": 1, "ground": 2, "pull-up": 3, "turn": 5}
@@ -43,35 +44,6 @@ _BOUNDS: Mapping[str, Mapping[str, Any]] = {
 
 # unknowns that can balance the forces along the flight path
 FREE = ("throttle", "gamma", "speed")
-
-
-class FixedMapping(Mapping):
-    """An immutable, hashable dict, which `dataclasses.asdict` turns into a plain one."""
-
-    def __init__(self, values: Mapping[Any, Any]):
-        self._values = dict(values)
-
-    def __getitem__(self, key: Any) -> Any:
-        return self._values[key]
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter(self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
-
-    def __hash__(self) -> int:
-        return hash(frozenset(self._values.items()))
-
-    def __repr__(self) -> str:
-        return repr(self._values)
-
-    def __deepcopy__(self, memo: Any) -> dict[Any, Any]:
-        return dict(self._values)
-
-    def __reduce__(self) -> tuple[type, tuple[dict[Any, Any]]]:
-        # complete at construction: an exported model builds conditions before it sets attributes
-        return type(self), (dict(self._values),)
 
 
 @known_keywords
@@ -214,7 +186,7 @@ class TrimCondition:
             self._refuse("alpha_min", f"must be below alpha_max={high!r} deg")
         self._put("payload", _weights("payload", self.payload))
         self._put("fuel", _weights("fuel", self.fuel))
-        self._put("setup", FixedMapping(mapping("setup", self.setup)))
+        self._put("setup", own(mapping("setup", self.setup)))
         if not (isinstance(self.engines_off, str) and self.engines_off == "all"):
             self._put("engines_off", _indices("engines_off", self.engines_off))
         self._check_mode()
@@ -349,7 +321,7 @@ def _indices(parameter: str, value: Any) -> tuple[int, ...]:
     return tuple(sorted({integer(parameter, i, low=0) for i in value}))
 
 
-def _weights(parameter: str, value: Any) -> FixedMapping:
+def _weights(parameter: str, value: Any) -> dict[int, float]:
     """Weights in lb, a list or a dict of indices, as a mapping from the index."""
     if value is None:
         value = {}
@@ -359,4 +331,4 @@ def _weights(parameter: str, value: Any) -> FixedMapping:
         must_be(parameter, value, "a list or a dict of weights in lb")
     indices = [integer(f"{parameter} index", i, low=0) for i in value]
     weights = [number(f"{parameter}[{i}]", w, low=0.0) for i, w in value.items()]
-    return FixedMapping(dict(zip(indices, weights, strict=True)))
+    return own(dict(zip(indices, weights, strict=True)))
