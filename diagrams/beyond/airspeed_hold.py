@@ -4,7 +4,7 @@ c172p at 5000 ft and 90 KCAS. The reference of ``AirspeedHold`` is the initial a
 port, which steps by 10 kt at 5 s; it moves at 2.7 kt/s. ``AltitudeHold`` lowers the nose as the
 aircraft gets faster, ``RollHold`` keeps the wings level.
 
-Expected: within 0.5 kt of 100 KCAS 11.5 s after the step, altitude within 2.4 ft.
+Expected: within 0.5 kt of 100 KCAS 11.9 s after the step, altitude within 2.4 ft.
 
 Source: our own, on the aircraft and the condition of the published pitch hold.
 """

@@ -5,7 +5,7 @@ port, which steps by 500 ft at 5 s; ``AirspeedHold`` holds the airspeed in the c
 throttle, and ``RollHold`` keeps the wings level.
 
 Expected: a climb at 10 ft/s, within 10 ft of 5500 ft 51.4 s after the step, overshoot 2.1 ft;
-airspeed 86.8 to 91.0 KCAS.
+airspeed 86.7 to 90.9 KCAS.
 
 Source: our own, on the aircraft and the condition of the published pitch hold.
 """

@@ -8,8 +8,8 @@ their commands on until the flare. Then it closes the throttle, aligns the nose 
 lowers the nose wheel and brakes. A crosswind of 15 kt blows from the left, with turbulence of
 JSBSim's MIL-spec model for a wind of 25 kt at 20 ft.
 
-Expected: touchdown after 103 s, 159 ft past the aiming point and 5 ft right of the centre line,
-sinking at 4.7 ft/s with 2.1 deg of bank into the wind. The aircraft is down to 15 KCAS 3400 ft past
+Expected: touchdown after 104 s, 380 ft past the aiming point and 6 ft right of the centre line,
+sinking at 2.4 ft/s with 2.8 deg of bank into the wind. The aircraft is down to 15 KCAS 3200 ft past
 the aiming point, on the centre line.
 
 Source: our own. The landing is judged by the limits of docs/landing.md.

@@ -8,8 +8,8 @@ their commands on until the flare. Then it closes the throttle, aligns the nose 
 lowers the nose wheel and brakes. A crosswind of 10 kt blows from the left, with turbulence of
 JSBSim's MIL-spec model for a wind of 20 kt at 20 ft.
 
-Expected: touchdown after 92 s, 147 ft past the aiming point and within 1 ft of the centre line,
-sinking at 2.7 ft/s with 2.8 deg of bank into the wind. The aircraft is down to 10 KCAS 1300 ft past
+Expected: touchdown after 92 s, 120 ft past the aiming point and within 1 ft of the centre line,
+sinking at 5.0 ft/s with 2.1 deg of bank into the wind. The aircraft is down to 10 KCAS 1230 ft past
 the aiming point, on the centre line.
 
 Source: our own. The landing is judged by the limits of docs/landing.md.

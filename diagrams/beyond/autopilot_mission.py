@@ -7,7 +7,7 @@ faster at 130 s, 500 ft down at 180 s.
 
 Expected: the aircraft follows every reference through the gusts: altitude within 40 ft, heading
 within 2.1 deg and airspeed within 15 kt once captured; the elevator and the ailerons stay off their
-stops, the throttle is at a stop for 4 % of the time.
+stops, the throttle is at a stop for 3.5 % of the time.
 
 Source: our own.
 """

@@ -4,9 +4,9 @@ A Boeing 737 on a glide path of 3 deg from 1500 ft at 150 KCAS, gear down, half 
 pitch angle and its airspeed. A downburst of Oseguera and Bowles, 30 ft/s at its strongest, lies
 12,000 ft ahead. The second aircraft flies the same approach in still air.
 
-Expected: a headwind of 9 ft/s at 37 s, a downdraft of 17 ft/s at 46 s, a tailwind of 26 ft/s at
-63 s. The airspeed stays between 145 and 153 KCAS, and still the aircraft ends 421 ft below the
-approach in still air, 127 ft above the ground. The F-factor reaches 0.13.
+Expected: a headwind of 9 ft/s at 36 s, a downdraft of 17 ft/s at 46 s, a tailwind of 26 ft/s at
+64 s. The airspeed stays between 142 and 153 KCAS, and still the aircraft ends 469 ft below the
+approach in still air, 80 ft above the ground. The F-factor reaches 0.13.
 
 Source: our own; Oseguera, Bowles, NASA TM-100632, 1988. The F-factor is that of Bowles, *Reducing
 Windshear Risk Through Airborne Systems Technology*, ICAS 1990: the climb angle in rad that the wind

@@ -101,14 +101,13 @@ def test_stall_protection(flown):
     _, [vc, vc_lost] = diagram.speeds.read()
     _, [alpha, alpha_lost] = diagram.angles.read()
     # what an autopilot does that watches the airspeed alone
-    assert vc_lost.min() == pytest.approx(46.5, abs=0.1)
-    assert alpha_lost.max() == pytest.approx(24.2, abs=0.1)
-    assert lost[0] - lost[-1] == pytest.approx(4078.0, abs=10.0)
-    assert vc_lost[-1] > 55.0  # the stall flies faster than asked
-    assert vc.min() == pytest.approx(52.9, abs=0.1)
+    assert vc_lost.min() == pytest.approx(46.6, abs=0.1)
+    assert alpha_lost.max() == pytest.approx(17.6, abs=0.1)
+    assert lost[-1] == pytest.approx(lost[0], abs=5.0)
+    assert vc.min() == pytest.approx(53.4, abs=0.1)
     assert vc[-1] == pytest.approx(54.2, abs=0.1)
-    assert alpha.max() == pytest.approx(10.5, abs=0.1)
-    assert np.abs(kept - 5000.0).max() < 13.0
+    assert alpha.max() == pytest.approx(10.3, abs=0.1)
+    assert np.abs(kept - 5000.0).max() < 11.0
 
 
 @pytest.mark.long
@@ -135,8 +134,8 @@ def test_altitude_hold(flown):
     _, climb = signal(diagram.climb, "rate of climb")
     assert climb.max() == pytest.approx(10.0, abs=0.1)
     _, vc = signal(diagram.climb, "calibrated airspeed")
-    assert vc.min() == pytest.approx(86.8, abs=0.1)
-    assert vc.max() == pytest.approx(91.0, abs=0.1)
+    assert vc.min() == pytest.approx(86.7, abs=0.1)
+    assert vc.max() == pytest.approx(90.9, abs=0.1)
 
 
 def test_heading_hold_goes_the_short_way_across_north(flown):
@@ -156,7 +155,7 @@ def test_heading_hold_goes_the_short_way_across_north(flown):
 def test_airspeed_hold(flown):
     diagram = flown("airspeed_hold")
     time, vc = signal(diagram.speed, "calibrated airspeed")
-    assert settled(time, vc - 100.0, 0.5) - 5.0 == pytest.approx(11.5, abs=0.1)
+    assert settled(time, vc - 100.0, 0.5) - 5.0 == pytest.approx(11.9, abs=0.1)
     assert vc.max() < 100.5
     _, h = signal(diagram.flight, "altitude")
     assert np.max(np.abs(h - h[0])) < 3.0
@@ -192,4 +191,4 @@ def test_autopilot_mission_follows_every_reference_in_turbulence():
     assert np.mean(vc[fast]) == pytest.approx(295.0, abs=1.0)
     assert np.std(np.diff(vc)) > 0.05  # kt: the air is not still
     assert np.all(saturation[:3] == 0.0)
-    assert np.mean(saturation[3] != 0.0) == pytest.approx(0.04, abs=0.005)
+    assert np.mean(saturation[3] != 0.0) == pytest.approx(0.035, abs=0.003)

@@ -49,7 +49,7 @@ def limits(name):
     ("name", "flight", "change", "seconds", "lowest"),
     first(
         [
-            # unprotected: 46 kt, alpha 24 deg and 4366 ft lost; alpha 45 deg and into the sea
+            # unprotected: 46.6 kt, alpha 17.6 deg; alpha 45 deg and into the sea
             ("c172p", {}, -35.0, 60.0, 55.0),
             ("c172p", {"altitude": 7000.0, "speed": 75.0}, -20.0, 100.0, 55.0),
             # it trims at 172.4 KCAS with 9.5 deg, alpha_max / 1.21
