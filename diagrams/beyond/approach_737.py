@@ -8,7 +8,7 @@ The run ends at the decision height, 200 ft above the threshold.
 
 Expected: the aircraft turns onto the line without overshoot and tracks it with a wind correction
 angle of 5 deg. From 5 nmi before the threshold on it is within 5 ft of the line and 10 ft of the
-glide path. It reaches the decision height after 290 s, 2850 ft before the threshold, at 150 KCAS.
+glide path. It reaches the decision height after 290 s, 2850 ft before the threshold, at 151 KCAS.
 
 Source: our own. Path and decision height are those of an instrument landing system of category I
 (ICAO Annex 10, volume I, 3.1; Doc 8168).
