@@ -272,6 +272,28 @@ def test_another_script_is_set_in_flight_and_a_bad_one_refused(tmp_path):
     assert plane.outputs.to_array() == [0.5]
 
 
+def test_the_period_follows_the_script_and_the_substeps(tmp_path):
+    script = written(tmp_path)
+    plane = JSBSimFDM(script=script, output_properties=["simulation/sim-time-sec"])
+    sim = Simulation([plane], dt=0.01, log=False)
+    with pytest.warns(RuntimeWarning, match="next reset"):
+        plane.substeps = 7
+    np.testing.assert_allclose(plane.T, 0.07)
+    sim.run(0.7, reset=True)
+    np.testing.assert_allclose(plane.outputs.to_array(), [0.7])
+    other = written(tmp_path, dt="0.02", name="other.xml")
+    with pytest.warns(RuntimeWarning, match="next reset"):
+        plane.script = other
+    np.testing.assert_allclose(plane.T, 0.14)
+    with pytest.raises(ParameterError, match=r"T=0\.02, but script t\.xml has the step 0\.01 s"):
+        plane.set(script=script, T=0.02)
+    np.testing.assert_allclose(plane.T, 0.14)
+    plane = JSBSimFDM(aircraft_model="c172x", initialize="reset00")
+    with pytest.warns(RuntimeWarning, match="next reset"):
+        plane.set(initialize=None, script=script)
+    assert plane.T == 0.01
+
+
 def test_aircraft_refuses_a_script():
     for name in ("script", "initialize"):
         with pytest.raises(KeywordError, match="use JSBSimFDM"):
@@ -408,9 +430,16 @@ def test_an_event_that_fails_ends_the_flight(tmp_path, case):
     assert caught.value.time == pytest.approx(0.99)
 
 
-def test_unknown_files_are_refused_with_the_nearest(tmp_path):
+def test_unknown_files_are_refused_with_the_nearest(tmp_path, monkeypatch):
     with pytest.raises(ParameterError, match=r"no script 'scripts/c1773\.xml'.*scripts/c172"):
         JSBSimFDM(script="scripts/c1773.xml")
+    beside = written(tmp_path)
+    # as it would be written
+    with pytest.raises(ParameterError, match=f"did you mean '{beside}'"):
+        JSBSimFDM(script=beside.replace("t.xml", "tt.xml"))
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ParameterError, match=r"did you mean 't\.xml'"):
+        JSBSimFDM(script="tt.xml")
     with pytest.raises(ParameterError, match=r"no reset file 'reset77'.*reset0"):
         JSBSimFDM(aircraft_model="c172x", initialize="reset77")
     with pytest.raises(ParameterError, match=r"no reset file 'crise_init'.*cruise_init"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -189,9 +190,19 @@ class JSBSimFDM(FlightBlock):
 
     def _begin(self) -> None:
         if self.script is not None and positive("T", self.T) == _DEFAULT_T:
-            substeps = integer("substeps", self.substeps, low=1)
-            self.T = script_file(self.script, self.root).dt * substeps
+            self.T = self._period(self.script, self.substeps)
         super()._begin()
+
+    def _change(self, values: dict[str, Any]) -> None:
+        script = values.get("script", self.script)
+        if script is not None and {"script", "substeps"} & {*values} and "T" not in values:
+            T = self._period(script, values.get("substeps", self.substeps))
+            values = {**values, "T": T}
+        super()._change(values)
+
+    def _period(self, script: str, substeps: int) -> float:
+        """The sample period with a script, s."""
+        return script_file(script, self.root).dt * integer("substeps", substeps, low=1)
 
     def _start_file(self) -> StartFile | None:
         if self.script is None and self.initialize is None:

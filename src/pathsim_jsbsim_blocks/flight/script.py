@@ -91,9 +91,9 @@ class StartFile:
             self.refuse("has no <run>")
         self.aircraft = str(use.get("aircraft"))
         self.reset_file = str(use.get("initialize"))
-        start = self._number(run, "start", 0.0)
-        end = self._number(run, "end")
-        self.dt = self._number(run, "dt")
+        start = self._number("start in <run>", run.get("start", "0"))
+        end = self._number("end in <run>", run.get("end", ""))
+        self.dt = self._number("dt in <run>", run.get("dt", ""))
         if self.dt <= 0.0:
             self.refuse(f"has a step of {self.dt:g} s")
         if end < start:
@@ -106,7 +106,7 @@ class StartFile:
         for event in run.iterfind("event"):
             self._read(event)
         declared = [(_plain(p.text or ""), p.get("value", "0")) for p in run.iterfind("property")]
-        self.declared = {n: self._value(n, value) for n, value in declared if n}
+        self.declared = {n: self._number(n, value) for n, value in declared if n}
         # an input of the block owns its property
         self._without = {_CONSOLE, *map(_plain, inputs)} & {*self.writes}
 
@@ -140,15 +140,7 @@ class StartFile:
         parameter = "script" if self.is_script else "initialize"
         refuse(parameter, str(self.path), f"{self.path.name} {why}")
 
-    def _number(self, run: ET.Element, name: str, default: float | None = None) -> float:
-        text = run.get(name)
-        if text is None and default is not None:
-            return default
-        if text is None:
-            self.refuse(f"has no {name} in <run>")
-        return self._value(f"{name} in <run>", text)
-
-    def _value(self, what: str, text: str) -> float:
+    def _number(self, what: str, text: str) -> float:
         try:
             value = float(text)
         except ValueError:
@@ -211,9 +203,9 @@ def script_file(script: object, root: str | None, inputs: Iterable[str] = ()) ->
     name, folder = as_path("script", script), _root(root)
     path = next((p for p in (name.absolute(), folder / name) if os.path.isfile(p)), None)
     if path is None:
-        scripts = [*folder.glob("scripts/*.xml"), *name.absolute().parent.glob("*.xml")]
-        by_name = {p.stem: f"{p.parent.name}/{p.name}" for p in scripts}
-        close = did_you_mean(by_name[n] for n in nearest(name.stem, by_name))
+        places = {p.stem: p.relative_to(folder).as_posix() for p in folder.glob("scripts/*.xml")}
+        places |= {p.stem: str(p) for p in name.parent.glob("*.xml") if p.is_file()}
+        close = did_you_mean(places[stem] for stem in nearest(name.stem, places))
         refuse("script", str(script), f"no script {str(script)!r}, also below {folder}{close}")
     file = StartFile(path, _parsed("script", path, "runscript"), inputs=inputs)
     try:
