@@ -32,7 +32,7 @@ def test_run_flies_a_script_and_prints_its_notices(tmp_path, capsys):
     signals = columns("x.csv")
     flown = [signals["altitude [ft]"], signals["fcs/aileron-cmd-norm [norm]"]]
     np.testing.assert_array_equal(np.transpose(flown), rows[:601])
-    assert {p.name for p in tmp_path.iterdir()} == {"x.csv", "x.png", "x_2.png"}
+    assert {p.name for p in tmp_path.iterdir()} == {"x.csv", "x.png"}
     assert "Test throttle, aileron (Event 0) executed at time: 0.508331" in capsys.readouterr().out
 
 

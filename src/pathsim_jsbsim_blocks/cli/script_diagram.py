@@ -31,24 +31,20 @@ from pathsim.blocks import Scope
 
 from pathsim_jsbsim_blocks import JSBSimFDM
 
-STATES = {states}
-# written by the script's events; a property among input_properties is left to the diagram
-COMMANDS = {commands}
+# the flight, and properties that the script's events write
+OUTPUTS = {outputs}
 
+# a property among input_properties is left to the diagram
 fdm = JSBSimFDM({parameters}
-    output_properties=[*STATES, *COMMANDS],
+    output_properties=list(OUTPUTS),
 )
 DURATION = fdm.duration  # s, the script's own
 
-states = Scope(labels=list(STATES.values()))
-commands = Scope(labels=list(COMMANDS.values()))
+scope = Scope(labels=list(OUTPUTS.values()))
 
 sim = Simulation(
-    [fdm, states, commands],
-    [
-        *(Connection(fdm[name], states[i]) for i, name in enumerate(STATES)),
-        *(Connection(fdm[name], commands[i]) for i, name in enumerate(COMMANDS)),
-    ],
+    [fdm, scope],
+    [Connection(fdm[name], scope[i]) for i, name in enumerate(OUTPUTS)],
     dt=fdm.T,
     log=False,
 )
@@ -57,13 +53,7 @@ sim = Simulation(
 def figure():
     from pathsim_jsbsim_blocks.plots import time_histories
 
-    return time_histories(states, title={title})
-
-
-def figure_commands():
-    from pathsim_jsbsim_blocks.plots import time_histories
-
-    return time_histories(commands, title={title_of_commands})
+    return time_histories(scope, title={title})
 
 
 if __name__ == "__main__":
@@ -71,7 +61,6 @@ if __name__ == "__main__":
 
     sim.run(DURATION)
     show(figure(), {stem})
-    show(figure_commands(), {stem_of_commands})
 '''
 
 
@@ -84,22 +73,17 @@ def diagram_of_script(script: str | Path, root: str | None = None) -> tuple[Path
     airframe = Airframe(file.aircraft, file.dt, root=root, start=file)
     names = [n for n in file.writes if airframe.has(n) and "r" in airframe.access(n)]
     names = [n for n in map(airframe.canonical, names) if not n.startswith("simulation/")]
-    units = {name: unit_of(name) or "-" for name in names if name not in _STATES}
-    commands = {name: f"{name} [{unit}]" for name, unit in units.items()}
+    writes = {name: f"{name} [{unit_of(name) or '-'}]" for name in names if name not in _STATES}
     parameters = {"script": file.name(root)}
     if root is not None:
         parameters["JSBSim_path"] = str(Path(root).absolute())
-    title, stem = f"{file.aircraft}: {file.path.name}", file.path.stem
     return file.path, _TEXT.format(
         name=file.path.name,
         aircraft=file.aircraft,
-        states=_dict(_STATES),
-        commands=_dict(commands or {"simulation/sim-time-sec": "time of the script [s]"}),
+        outputs=_dict({**_STATES, **writes}),
         parameters="".join(f"\n    {name}={_text(x)}," for name, x in parameters.items()),
-        title=_text(title),
-        title_of_commands=_text(f"{title}, written by its events"),
-        stem=_text(stem),
-        stem_of_commands=_text(f"{stem}_commands"),
+        title=_text(f"{file.aircraft}: {file.path.name}"),
+        stem=_text(file.path.stem),
     )
 
 
