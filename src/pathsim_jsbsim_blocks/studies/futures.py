@@ -24,8 +24,8 @@ from ..flight.forked import Fork, Forks
 # a progress bar for more futures than these
 _FEW = 10
 
-# packages with which a thread flies, or serves the editor that does
-_FLYING = ("pathsim", "pathsim_jsbsim_blocks", "pathview")
+# packages whose code a thread runs while it flies, or serves the editor
+_FLYING = ("pathsim", "pathsim_jsbsim_blocks")
 
 
 class _Answer(NamedTuple):
