@@ -4,7 +4,7 @@ import warnings
 
 import pytest
 from pathsim import Connection, Simulation
-from pathsim.blocks import Constant
+from pathsim.blocks import Constant, Scope
 
 from pathsim_jsbsim_blocks import (
     Actuator,
@@ -29,11 +29,20 @@ def limits(block, t=0.0):
     return texts[0].split("linear model ")[1].split(" has no")[0] if texts else ""
 
 
+def seen(*blocks):
+    """Scopes, and the connections to them of the commands of blocks."""
+    commands = {block: [*names] for block in blocks if (names := getattr(block, "commands", ()))}
+    scopes = [Scope() for _ in commands]
+    rows = zip(scopes, commands.items(), strict=True)
+    return scopes, [Connection(block[names], s[: len(names)]) for s, (block, names) in rows]
+
+
 def run(block, duration=2.0, **values):
     """A block with constant inputs, after a time."""
     sources = [Constant(x) for x in values.values()]
     wires = [Connection(s, block[n]) for s, n in zip(sources, values, strict=True)]
-    Simulation([block, *sources], wires, dt=1 / 120, log=False).run(duration)
+    scopes, more = seen(block)
+    Simulation([block, *sources, *scopes], [*wires, *more], dt=1 / 120, log=False).run(duration)
     return block
 
 
@@ -91,7 +100,8 @@ def test_holds_at_the_trim_of_their_aircraft_are_at_no_limit(aircraft):
         for port in ports
         if port in hold.input_port_labels
     ]
-    sim = Simulation([plane, *holds], wires, dt=1 / 120, log=False)
+    scopes, more = seen(*holds)
+    sim = Simulation([plane, *holds, *scopes], [*wires, *more], dt=1 / 120, log=False)
     assert [limits(hold) for hold in holds] == len(holds) * [""]
     sim.run(1.0)
     assert [limits(hold) for hold in holds] == len(holds) * [""]

@@ -75,7 +75,7 @@ class CourseState(NamedTuple):
     initial: float | None = None  # course at engagement, deg
     leg: int | None = None
     direct: GreatCircle | None = None  # leg 0, from the position at engagement
-    radius: float = 0.0  # of a holding pattern widened in the wind, ft
+    radius: float | None = None  # of a holding pattern widened in the wind, ft
     lateral: LateralState = LateralState()
 
 
@@ -273,9 +273,9 @@ class CourseHold(Hold):
             f"{self._checked.bank_max:g}: the aircraft drifts off it"
         )
 
-    def _route_of(self, radius: float) -> _Route:
-        """The route with a holding pattern of this radius in ft, or 0 for its own."""
-        if not radius:
+    def _route_of(self, radius: float | None) -> _Route:
+        """The route with a holding pattern of this radius in ft, or None for its own."""
+        if radius is None:
             return self._route
         if radius not in self._widened:
             assert self.holding is not None
@@ -284,8 +284,10 @@ class CourseHold(Hold):
             self._widened = {radius: _Route(*route, (course, side, radius, length))}
         return self._widened[radius]
 
-    def _radius_in_wind(self, route: _Route, ground: _Ground, vt: float, chi: float) -> float:
-        """Radius in ft that a holding pattern needs in this wind, 0 if its own suffices."""
+    def _radius_in_wind(
+        self, route: _Route, ground: _Ground, vt: float, chi: float
+    ) -> float | None:
+        """Radius in ft that a holding pattern needs in this wind, None if its own suffices."""
         north, east = _wind(ground, vt, chi)
         speed = vt + math.hypot(north, east)
         bank = _HOLDING_BANK * self._checked.bank_max
@@ -294,7 +296,7 @@ class CourseHold(Hold):
         assert isinstance(own, Arc)
         assert isinstance(present, Arc)
         if minimum <= present.radius:
-            return 0.0 if present is own else present.radius
+            return None if present is own else present.radius
         if not self._warned_of_radius:
             self._warned_of_radius = True
             warn_user(
