@@ -321,7 +321,7 @@ def crosswind():
         ends, speeds, touches = [], [], []
         for number in range(1, APPROACHES + 1):
             cross = CROSS if number % 2 else -CROSS
-            course, built = approach(name, number, cross=cross)
+            course, built = approach(name, number, head=0.0, cross=cross, gusts=CROSS_GUSTS)
             found = landed("autoland_737", built, course)
             ends.append(outcome(name, found))
             speeds.append(built["aircraft.condition"].speed)

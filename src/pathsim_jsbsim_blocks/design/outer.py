@@ -334,9 +334,9 @@ def design_speed(
     maximum throttle increment, ``Kc`` the feed-forward of the rate of climb. If there are
     neighbours, all gains but ``Kc`` are theirs.
     """
-    for gains in neighbours.gains:
-        if gains.speed is not None:
-            return replace(gains.speed, Kc=Kc)
+    for neighbour in neighbours.gains:
+        if neighbour.speed is not None:
+            return replace(neighbour.speed, Kc=Kc)
     thrust, drag = level_slopes(plant)
 
     def shaped(crossover: float) -> SpeedGains:
