@@ -8,9 +8,8 @@ Default is 100 cases of each aircraft; another seed draws others and prints what
 Each flies the diagram ``autoland_737`` or ``autoland_c172p`` with weight, centre of gravity, wind,
 turbulence, course and elevation of the runway drawn anew.
 
-With ``crosswind`` the tables that land airliners and the T37 make 2 approaches each at 1.3 of the
-lowest airspeed that trims, in 10 kt of crosswind without turbulence; with ``winds`` the MD11 makes
-one in each of five winds.
+With ``crosswind`` five tables make 20 approaches each at 1.3 of the lowest airspeed that trims, in
+10 kt of crosswind with turbulence; with ``winds`` the MD11 makes one in each of five winds.
 """
 
 import math
@@ -40,15 +39,19 @@ FLEET = {
 FLARE = {"tau": 3.0, "float_max": 8000.0, "theta_max": 10.0}
 # the elevator of the MD11 turns it slowly
 SLOW_FLARE = FLARE | {"tau": 6.0, "sink_max": 25.0}
+LIGHT_FLARE = {"tau": 2.0, "float_max": 1400.0, "climb": 8.0, "theta_max": 8.0}
 CROSSWIND = {
+    "c172p-designed": (0.5, LIGHT_FLARE | {"gear_height": 4.4}),
     "A320": (1.0, FLARE | {"gear_height": 8.9}),
     "T37": (1.0, FLARE | {"gear_height": 1.9}),
     "MD11": (0.3, SLOW_FLARE | {"gear_height": 19.1}),
     "737-landing": (1.0, {}),
 }
-# crosswind [kt], approaches, of the lowest airspeed, height of the beginning [ft], and airspeeds
-# from which the lowest is looked for, of level flight
-CROSS, APPROACHES, OF_LOWEST, ABOVE, FROM = 10.0, 2, 1.3, 700.0, (1.0, 0.9, 0.8, 0.7, 0.6)
+# crosswind, and wind at 20 ft [kt] of its turbulence
+CROSS, CROSS_GUSTS, APPROACHES = 10.0, 14.0, 20
+# of the lowest airspeed, height of the beginning [ft], and airspeeds from which the lowest is
+# looked for, of level flight
+OF_LOWEST, ABOVE, FROM = 1.3, 700.0, (1.0, 0.9, 0.8, 0.7, 0.6)
 # headwind, crosswind [kt], and wind at 20 ft [kt] of the turbulence
 WINDS = {
     "calm": (0.0, 0.0, 0.0),
@@ -203,6 +206,8 @@ def approach(table, number, head, cross, gusts):
         "ANTENNA": place(BEYOND, 0.0, course),
         **{f"{x}.gains": table for x in ("lateral", "vertical", "airspeed", "damper", "flare")},
         **{f"flare.{key}": value for key, value in flare.items()},
+        # of both blocks, as in the diagrams
+        **({"vertical.sink_max": flare["sink_max"]} if "sink_max" in flare else {}),
     }
     return course, built
 

@@ -36,7 +36,7 @@ from .._core.checks import (
 from ..errors import AircraftError
 from .console import SEALED_PATH, capture_console, failure_of, never_free
 from .flightgear import address, directive
-from .integrators import integrator_properties
+from .integrators import INTEGRATORS, integrator_properties
 from .model_files import ModelFile, default_root
 from .planet import gravity_properties, planet_xml
 from .powerplant import Powerplant
@@ -149,12 +149,16 @@ class Airframe(Powerplant):
         self._names = names  # still valid: the model is the same
         self.write(written)
 
-    def twin(self) -> Airframe:
+    def twin(self, step: float | None = None) -> Airframe:
         """Another airframe of the same model, sealed, with what `create` and `write` have set.
 
-        It has no script, whose events would act in a trim.
+        It has no script, whose events would act in a trim. With a maximum ``step`` in s it has
+        JSBSim's own integrators.
         """
         other = copy.copy(self)
+        if step is not None:
+            other.dt = min(self.dt, step)
+            other._equations = {k: x for k, x in self._equations.items() if k not in INTEGRATORS}
         if self.start is not None:
             other.start, other._declared = None, self.start.declared
         other._written = dict(self._written)

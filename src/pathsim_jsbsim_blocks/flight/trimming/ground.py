@@ -27,6 +27,9 @@ _VELOCITIES = (*(f"ic/{axis}-fps" for axis in "uvw"), *(f"ic/{axis}-rad_sec" for
 # height of the lowest part above the ground at the start, ft
 _CLEARANCE = 0.0
 
+# maximum step, s: stiff gear does not rest at 30 Hz, nor with integrators of higher order
+_STEP = 1.0 / 120.0
+
 # maximum time until it rests, s; interval of the check, s, and changes in it below which it rests,
 # in ft and rad
 _LONGEST = 60.0
@@ -71,7 +74,7 @@ def let_down(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
 
 def _place_of_rest(airframe: Airframe, condition: TrimCondition) -> np.ndarray | None:
     """Height in ft, pitch and bank in rad at which it comes to rest; None if it does not."""
-    other = airframe.twin()
+    other = airframe.twin(_STEP)
     other.resemble(airframe)
     other.stopped = frozenset(range(other.engines))
     fdm, place = other.fdm, other.reader_of(_PLACE)
