@@ -117,17 +117,33 @@ def test_precise_integrators_are_stable_where_those_of_higher_order_are_not(exac
     assert not abs(plainly_flown(30, (9, 9, 7, 9)) - exact)[:, 0].max() < 10.0
 
 
-def test_precise_integrators_are_stable_on_the_ground_from_120_hz_on():
-    """The documentation says from where: stiff gear, which Euler's method damps."""
-    rocking = {}
-    for hz in (60, 120):
-        plane = Aircraft("c172p", altitude=0, mode="ground", T=1 / hz, integrators="precise")
-        scope = Scope()
-        sim = Simulation([plane, scope], [Connection(plane["nz"], scope)], dt=plane.T, log=False)
-        sim.run(10.0)
-        rocking[hz] = np.ptp(scope.read()[1][0, -hz:])
-    assert rocking[120] < 1e-3
-    assert rocking[60] > 1.0
+def test_precise_integrators_rock_an_aircraft_on_its_wheels():
+    """The documentation says so: stiff gear, which Euler's method damps. It rests at first."""
+    rocking, places = {}, []
+    for integrators, hz in (("default", 60), ("precise", 60), ("precise", 120), ("precise", 240)):
+        plane = Aircraft("c172p", altitude=0, mode="ground", T=1 / hz, integrators=integrators)
+        fdm, nz = plane.fdm, []
+        places.append([fdm["position/h-agl-ft"], fdm["attitude/theta-deg"]])
+        for _ in range(3 * hz):
+            fdm.run()
+            nz.append(fdm["accelerations/Nz"])
+        rocking[integrators, hz] = np.ptp(nz[-hz:])
+    assert np.ptp(places, axis=0) == pytest.approx(0.0, abs=1e-6)
+    assert rocking["default", 60] < 1e-3
+    assert rocking["precise", 60] > 2.0
+    assert 0.5 < rocking["precise", 120] < 1.0
+    assert rocking["precise", 240] < 0.05
+
+
+@pytest.mark.parametrize("integrators", ["default", "precise"])
+def test_an_aircraft_rests_on_the_ground_at_any_step(integrators):
+    """JSBSim at 30 Hz does not come to rest."""
+    rough, fine = (
+        Aircraft("c172p", altitude=0, mode="ground", T=1 / hz, integrators=integrators).fdm
+        for hz in (30, 240)
+    )
+    for name in ("position/h-agl-ft", "attitude/theta-deg"):
+        assert rough[name] == pytest.approx(fine[name], abs=1e-6)
 
 
 def standing(planet, gravity):

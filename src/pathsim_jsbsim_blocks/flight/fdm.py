@@ -93,7 +93,7 @@ class JSBSimFDM(FlightBlock):
         let the model write the output files that its XML defines (CSV)
     integrators : str or dict
         "default" (JSBSim's own: Euler for rotation), "precise" (a third of the error in flight at
-        the same T; less stable on the ground below 120 Hz), or methods by state:
+        the same T; rocks on the ground, at 60 Hz by 2 g), or methods by state:
         ``{"rate_rotational": "adams-bashforth 3"}``. States: ``rate_rotational``,
         ``rate_translational``, ``position_rotational``, ``position_translational``. Methods:
         "none" (the state stays), "euler", "trapezoidal", "adams-bashforth 2" to
