@@ -16,7 +16,7 @@ from pathsim.blocks import Block
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks.cli import main
 
-CHAPTERS = 12
+CHAPTERS = 13
 
 
 def chapters(folder):
@@ -97,7 +97,7 @@ def test_jupyter_runs_as_root_too_and_says_so(user, tmp_path, lab, monkeypatch, 
     monkeypatch.setattr(os, "geteuid", lambda: user)
     assert main(["course", str(tmp_path)]) == 0
     (arguments,) = lab.started
-    assert arguments == [str(tmp_path / "01_hello.ipynb"), *["--allow-root"][user:]]
+    assert arguments == [str(tmp_path / "00_inside_one_step.ipynb"), *["--allow-root"][user:]]
     assert ("--allow-root" in capsys.readouterr().err) == (user == 0)
 
 
@@ -200,7 +200,7 @@ def test_a_full_disk_leaves_no_cut_notebook(tmp_path, monkeypatch, capsys):
 
     monkeypatch.setattr(Path, "write_bytes", full)
     assert main(["course", str(tmp_path), "--no-open"]) == 1
-    assert "01_hello.ipynb': No space left on device" in capsys.readouterr().err
+    assert "00_inside_one_step.ipynb': No space left on device" in capsys.readouterr().err
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
     monkeypatch.undo()
     assert main(["course", str(tmp_path), "--no-open"]) == 0

@@ -5,7 +5,8 @@ import os
 import pytest
 
 from pathsim_jsbsim_blocks.studies import engine_failure, engine_failure_chart
-from pathsim_jsbsim_blocks.studies.take_off import INSTANTS, WAYS, TakeOff
+from pathsim_jsbsim_blocks.studies.failure import INSTANTS, WAYS
+from pathsim_jsbsim_blocks.studies.take_off import TakeOff
 
 pytestmark = [
     pytest.mark.long,
@@ -21,7 +22,7 @@ def test_glides_equal_those_of_fresh_take_offs():
         for instant in range(10, time + 1, 10):
             flight.until(instant)
         rows = table[(table.failure_s == time) & (table.way == way)]
-        assert rows.drop(columns=["failure_s", "way"]).to_dict("records") == flight.glide(way)
+        assert rows.drop(columns=["failure_s", "way"]).to_dict("records") == flight.glide(WAYS[way])
     last = table.groupby(["way", "failure_s"]).last()
     # a higher failure leaves more height at the threshold, and the turn into the wind too
     for way in ("left turn", "right turn"):

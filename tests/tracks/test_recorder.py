@@ -73,7 +73,7 @@ def test_it_saves_by_the_ending(tmp_path):
     table = pandas.read_csv(tmp_path / "flight.csv", index_col=0)
     pandas.testing.assert_frame_equal(table, recorder.to_frame())
     recorder.save(str(tmp_path / "flight.acmi"))
-    assert "CallSign=the one (c172p)" in (tmp_path / "flight.acmi").read_text(encoding="utf-8")
+    assert "Name=c172p,CallSign=the one" in (tmp_path / "flight.acmi").read_text(encoding="utf-8")
 
 
 def test_a_scope_as_a_table():

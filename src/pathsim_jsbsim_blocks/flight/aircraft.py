@@ -407,13 +407,13 @@ class _Further:
         return [read() for read in self._readers]
 
     def move(self, u: list[float]) -> None:
-        increment, starts, shown = self._written
+        increment, starts, values = self._written
         if u[self._port] == increment and self._starts is None:
             return
         if self._starts is None:
             self._starts = [
                 start if value == before else value + (start - before)
-                for value, start, before in zip(self._read(), starts, shown, strict=True)
+                for value, start, before in zip(self._read(), starts, values, strict=True)
             ]
         increment, starts = u[self._port], self._starts
         for put, start in zip(self._writers, starts, strict=True):

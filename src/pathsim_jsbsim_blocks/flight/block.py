@@ -458,12 +458,12 @@ class FlightBlock(Parametric, SampledPlant):
             capture_console()
         # an interrupt may have come before the inputs were written, or between the steps
         clock = self.clock
-        begun, near = clock.begun
+        begun, contact = clock.begun
         done = self._steps_since(index - 1) if begun == index else 0
         try:
             if not done:
-                near = look(near) if height() < reach else None
-                clock.begun = index, near
+                contact = look(contact) if height() < reach else None
+                clock.begun = index, contact
                 write(u)
             for _ in range(substeps - done):
                 run()
@@ -473,7 +473,7 @@ class FlightBlock(Parametric, SampledPlant):
             self._fail_time(index)
         y = read()
         above = height()
-        if near and (broken := touch()):
+        if contact and (broken := touch()):
             self._fail(*broken, self._time(index))
         if not (isfinite(sum(y) + speed()) and above >= _UNDERGROUND and -_CRASH < nz() < _CRASH):
             self._check(y, self._time(index))

@@ -292,31 +292,18 @@ class Autopilot(GuidedHold):
         )
 
         protection = vertical.protection(alpha)
-        target, hdot_cmd, altitude, climb = vertical.for_climb(
-            before,
-            motion,
-            allowed,
-            reference=self.wanted("h_ref", now.h_ref, h),
-            idle=pitch_off or pitching,
-            before=state.climb,
-            mode=mode,
-            rate=rate,
-            # the protection already reduces a climb at low airspeed
-            fraction=1.0 if protection else share_of_climb(vc, vc_cmd),
+        # the protection already reduces a climb at low airspeed
+        fraction = 1.0 if protection else share_of_climb(vc, vc_cmd)
+        elevator, theta_cmd, hdot_cmd, after, climb = self._elevator(
+            state, now, motion, allowed, guard, mode, rate, fraction
         )
-        keeps = False
-        if pitching:
-            reference = self.wanted("theta_ref", now.theta_ref)
-            target, keeps = vertical.pitch.towards(before.pitch, now.theta, reference)
-        elevator, theta_cmd, pitch, cut = vertical.fly(before, motion, allowed, target, keeps)
-
         aileron, phi_cmd, lateral = self._ailerons(state.lateral, now, allowed, protection, guard)
         rudder, yaw = self.yaw.sample(
             state.yaw, now.r, now.yaw_off != 0.0, now.beta, now.p, now.phi
         )
         outputs = [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd]
         state = AutopilotState(
-            vertical=VerticalState(altitude, pitch, guard, cut),
+            vertical=after,
             lateral=lateral,
             speed=speed,
             yaw=yaw,
@@ -344,8 +331,8 @@ class Autopilot(GuidedHold):
         forward. While ``on_pitch``, the elevator holds the measured airspeed by a rate of climb.
         """
         h, hdot, vc, off = now.h, now.hdot, now.vc, now.speed_off != 0.0
-        wanted = self.wanted("vc_ref", now.vc_ref, vc)
-        target, keeps = self.speed.loop.towards(engaged, airspeed, wanted)
+        reference = self.wanted("vc_ref", now.vc_ref, vc)
+        target, keeps = self.speed.loop.towards(engaged, airspeed, reference)
         target = self.airspeed_within(allowed, target, vc)
         throttle, vc_cmd, speed = self.speed.sample(
             state.speed,
@@ -373,6 +360,40 @@ class Autopilot(GuidedHold):
             pitched = pitched._replace(initial=engaged.initial)
         throttle, speed, lever = self._lever(state, throttle, speed, hdot, now.thr_sat, lever_ref)
         return throttle, vc_cmd, climb, speed, pitched, lever
+
+    def _elevator(
+        self,
+        state: AutopilotState,
+        now: AutopilotInputs,
+        motion: Motion,
+        allowed: Allowed,
+        guard: ProtectionState,
+        mode: float,
+        rate: Reference,
+        fraction: float,
+    ) -> tuple[float, float, float, VerticalState, ClimbState]:
+        """Elevator increment, pitch reference in deg, rate of climb in ft/s, and next states.
+
+        ``fraction`` is that of the rate of climb towards a held altitude.
+        """
+        vertical, before, pitching = self.vertical, state.vertical, now.pitch_mode != 0.0
+        target, hdot_cmd, altitude, climb = vertical.for_climb(
+            before,
+            motion,
+            allowed,
+            reference=self.wanted("h_ref", now.h_ref, now.h),
+            idle=motion.off or pitching,
+            before=state.climb,
+            mode=mode,
+            rate=rate,
+            fraction=fraction,
+        )
+        keeps = False
+        if pitching:
+            reference = self.wanted("theta_ref", now.theta_ref)
+            target, keeps = vertical.pitch.towards(before.pitch, now.theta, reference)
+        elevator, theta_cmd, pitch, cut = vertical.fly(before, motion, allowed, target, keeps)
+        return elevator, theta_cmd, hdot_cmd, VerticalState(altitude, pitch, guard, cut), climb
 
     def _ailerons(
         self,

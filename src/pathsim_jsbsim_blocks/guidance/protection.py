@@ -183,22 +183,15 @@ class Protection:
         if vc_cmd is not None:
             target = max(vc_cmd * per_knot, 1.0)
             inertial = per_knot * (vc if airspeed is None else airspeed)
-            yields = target - self.CLIMB_YIELDS * per_knot
             highest, boost = self._for_airspeed(
-                state, inertial, target, yields, slowest, stiffness, spare
+                state, inertial, target, per_knot, slowest, stiffness, spare
             )
             boost = self._boost(state, boost, floor, fastest)
             if eases:
                 limit = min(target + self.DESCENT_YIELDS * per_knot, fastest)
         lowest = eased = floor
         if moving:
-            # at most 0: level flight at idle is enough to decelerate
-            lowest = max(lowest, min(state.measured + stiffness * (v - fastest), 0.0))
-            eased = max(lowest, min(state.measured + stiffness * (state.airspeed - limit), 0.0))
-            if eased > lowest:
-                # reduce the throttle: only less thrust allows this descent at the airspeed
-                travel = self.limits.climb_max + self.limits.descent_max
-                feed = clip(self.MAKES_WAY * cut / travel, -1.0, 0.0)
+            lowest, eased, feed = self._for_descent(state, floor, fastest, limit, stiffness, cut)
         theta_min = -math.inf
         if hold_pitch:
             path = DEGREES / max(v, self.SLOWEST)
@@ -295,7 +288,7 @@ class Protection:
         state: ProtectionState,
         v: float,
         target: float,
-        yields: float,
+        per_knot: float,
         slowest: float,
         stiffness: float,
         spare: float,
@@ -306,6 +299,7 @@ class Protection:
         would cost height.
         """
         available, measured = state.available, state.measured
+        yields = target - self.CLIMB_YIELDS * per_knot
         # while the commanded airspeed is held, reserve throttle for the climb
         reserve = (v - yields) / (target - yields)
         climb = measured + clip(reserve, 0.0, 1.0) * (available - measured)
@@ -317,6 +311,29 @@ class Protection:
         missing = self.BOOST_ENDS_ABOVE * target - v - self.AHEAD * rate
         boost = clip(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
         return max(highest, -self.limits.descent_max), boost
+
+    def _for_descent(
+        self,
+        state: ProtectionState,
+        floor: float,
+        fastest: float,
+        limit: float,
+        stiffness: float,
+        cut: float,
+    ) -> tuple[float, float, float]:
+        """Minimum rates of climb and throttle to reduce, for airspeeds that a descent must keep.
+
+        The first rate is for the maximum airspeed ``fastest``, the second for the ``limit`` that
+        eases a descent, both ft/s and at least the ``floor``.
+        """
+        # at most 0: level flight at idle is enough to decelerate
+        lowest = max(floor, min(state.measured + stiffness * (state.v - fastest), 0.0))
+        eased = max(lowest, min(state.measured + stiffness * (state.airspeed - limit), 0.0))
+        if eased <= lowest:
+            return lowest, eased, 0.0
+        # reduce the throttle: only less thrust allows this descent at the airspeed
+        travel = self.limits.climb_max + self.limits.descent_max
+        return lowest, eased, clip(self.MAKES_WAY * cut / travel, -1.0, 0.0)
 
     def _boost(self, state: ProtectionState, boost: float, floor: float, fastest: float) -> float:
         """Throttle to add, or negative above the maximum airspeed."""

@@ -353,9 +353,10 @@ def _frequencies(modes: np.ndarray, low: float, high: float) -> np.ndarray:
     modes = modes[np.abs(modes.real) < 0.05 * modes.imag]
     # the phase turns within the damping of a mode
     width = np.maximum(np.abs(modes.real), 1e-9 * modes.imag)
-    near = modes.imag[:, None] + width[:, None] * np.sinh(np.linspace(-12, 12, 241))
-    near = near[(near > low) & (near < high)]
-    return np.unique([*np.geomspace(low, high * (1 - 1e-9), count), *near])  # a pole may be at pi/T
+    dense = modes.imag[:, None] + width[:, None] * np.sinh(np.linspace(-12, 12, 241))
+    dense = dense[(dense > low) & (dense < high)]
+    even = np.geomspace(low, high * (1 - 1e-9), count)  # a pole may be at pi/T
+    return np.unique([*even, *dense])
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # L is 0 at a zero, S infinite at an undamped mode
@@ -372,8 +373,9 @@ def _margins(
     gains = -1 / L(at_phase).real
     if end is not None:
         far = omega[-1] * 1e3 if math.isinf(end) else end * (1 - 2e-9)
-        for at, near in ((0.0, omega[0] * 1e-3), (end, far)):
-            value, limit = L(np.array([near, (near + at) / 2 if at < math.inf else 2 * near]))
+        for at, omega_1 in ((0.0, omega[0] * 1e-3), (end, far)):
+            omega_2 = (omega_1 + at) / 2 if at < math.inf else 2 * omega_1
+            value, limit = L(np.array([omega_1, omega_2]))
             # real and finite at 0, pi / T or infinity: the gain at which a pole is there
             if limit.real < 0 and abs(limit - value) < 1e-2 * abs(limit) > 1e2 * abs(limit.imag):
                 at_phase, gains = np.append(at_phase, at), np.append(gains, -1 / limit.real)

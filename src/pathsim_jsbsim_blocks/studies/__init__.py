@@ -4,6 +4,7 @@ Needs the extra ``studies``: ``pip install "pathsim-jsbsim-blocks[studies]"``.
 """
 
 from .batch import run_batch
+from .failure import engine_failure, engine_failure_chart
 from .figures import (
     alpha_elevator_chart,
     climb_chart,
@@ -24,7 +25,6 @@ from .published import (
 )
 from .report import AircraftReport, aircraft_report
 from .sweep import trim_sweep
-from .take_off import engine_failure, engine_failure_chart
 
 __all__ = [
     "STUDIES",

@@ -16,8 +16,8 @@ import numpy as np
 from ..flight.airframe import Airframe
 from ..flight.model_files import empty_weight_cg
 from . import figures
+from .failure import engine_failure, engine_failure_chart
 from .sweep import trim_sweep
-from .take_off import engine_failure, engine_failure_chart
 
 if TYPE_CHECKING:
     import pandas as pd

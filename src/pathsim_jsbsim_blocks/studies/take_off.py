@@ -1,38 +1,28 @@
-"""The engine fails after take-off: straight ahead, or a turn back to the runway."""
+"""A take-off whose engine fails: the diagram, its pilot, and the glide."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant
 
-from .._core.extras import required
 from .._core.running import fly
+from .._core.units import KNOT
 from ..axes.navigation import Place, bearing_from, distance, place
 from ..control.pid import DiscretePID
 from ..flight import TrimCondition
 from ..flight.aircraft import Aircraft
 from ..guidance.autopilot import Autopilot
-from ..plots import subplots
-from .futures import branch
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.figure import Figure
 
 COURSE = 90.0  # deg, of the take-off
 END = (0.0, 0.0)  # deg, the end of the runway, which is the threshold on the way back
 _LIFT_OFF = 1000.0  # ft before the end of the runway, at the screen height
-_RUNWAY = 2500.0  # ft, drawn
 _SCREEN = 50.0  # ft
 _CLIMB, _GLIDE = 75.0, 68.0  # KCAS
 _CROSSWIND = 10.0  # kt from the left
-INSTANTS = range(10, 90, 10)  # s after the screen height
 
 # s from the failure to the first control input
 _REACTION = 4.0
@@ -49,10 +39,6 @@ _PILOT = {"Kp": -0.8, "Ki": -0.08, "Kd": -1.0, "Tf": 0.5, "low": -25.0, "high": 
 
 _ROW = 0.5  # s between two rows, and between two decisions
 _LONGEST = 240.0  # s
-_KNOT = 1.6878099  # ft/s
-
-# direction of the turn by the way taken
-WAYS = {"straight ahead": 0.0, "left turn": -1.0, "right turn": 1.0}
 
 _MEASURED = ("theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc", "beta")
 
@@ -71,7 +57,7 @@ class TakeOff:
     @classmethod
     def build(cls) -> TakeOff:
         feet = distance(place(0.0, -0.5), place(0.0, 0.5))  # in a degree along the equator
-        wind = _CROSSWIND * _KNOT
+        wind = _CROSSWIND * KNOT
         condition = TrimCondition(
             altitude=_SCREEN,
             speed=_CLIMB,
@@ -102,13 +88,13 @@ class TakeOff:
         """Fly on to a time in s."""
         fly(self.sim, time - self.sim.time, progress=False)
 
-    def glide(self, way: str) -> list[dict[str, float]]:
-        """Stop the engine, and fly one way on: a row for each half second.
+    def glide(self, side: float) -> list[dict[str, float]]:
+        """Stop the engine, and fly on: a row for each half second.
 
-        Straight ahead it ends at the height of the runway, after a turn where the threshold is
-        nearest.
+        ``side`` is -1 for a turn to the left, 1 to the right, 0 for none. Straight ahead it ends at
+        the height of the runway, after a turn where the threshold is nearest.
         """
-        side, rows = WAYS[way], [self.row()]
+        rows = [self.row()]
         # without fuel, whatever the throttle
         self.mixture.value = -self.plane.fdm["fcs/mixture-cmd-norm"]
         self._fly_on(rows, _REACTION)
@@ -156,89 +142,3 @@ class TakeOff:
             "speed_kcas": float(self.plane.outputs["vc"]),
             "distance_ft": distance(end, now),
         }
-
-
-def engine_failure(*, jobs: int = -1, progress: bool = True) -> pd.DataFrame:
-    """Glides of a Cessna 172 whose engine fails after take-off: ahead, or back to the runway.
-
-    A c172p climbs at 75 KCAS and full throttle in a crosswind of 10 kt from the left. At eight
-    instants its engine fails, and from each the same flight goes on three ways (`branch`):
-    straight ahead, and after a turn to the left or to the right, with 45 deg of bank at 68 KCAS, to
-    the end of the runway. The pilot reacts after 4 s. The glide goes on below the height of the
-    runway, so that a negative height at the threshold shows how much is missing.
-
-    Parameters
-    ----------
-    jobs : int
-        copies of the process at the same time, -1 for one on each core
-    progress : bool
-        show a progress bar on stderr
-
-    Returns
-    -------
-    pandas.DataFrame
-        a row for each half second of each glide: ``failure_s`` after the screen height of 50 ft,
-        ``way``, ``time_s``, ``north_ft`` and ``east_ft`` from the end of the runway, ``height_ft``
-        above it, ``speed_kcas``, ``distance_ft`` to its end
-
-    Raises
-    ------
-    BranchError
-        on a system without fork (Windows)
-    """
-    from tqdm import tqdm
-
-    pd = required("pandas", "studies")
-    flight, rows = TakeOff.build(), list[dict[str, Any]]()
-    for time in tqdm(INSTANTS, desc="engine_failure", unit=" failures", disable=not progress):
-        flight.until(time)
-        glides = branch([partial(flight.glide, way) for way in WAYS], jobs)
-        for way, glide in zip(WAYS, glides, strict=True):
-            rows += [{"failure_s": time, "way": way, **row} for row in glide]
-    return pd.DataFrame(rows)
-
-
-def engine_failure_chart(table: pd.DataFrame, title: str = "") -> Figure:
-    """Ground tracks of the glides, and the height at the threshold.
-
-    Parameters
-    ----------
-    table : DataFrame
-        of `engine_failure`
-    title : str
-        headline
-    """
-    from matplotlib import colormaps
-
-    figure, (tracks, heights) = subplots(
-        2, 1, figsize=(9, 8), layout="constrained", height_ratios=(1, 1.2)
-    )
-    back = table[table.way != "straight ahead"]
-    times = list(table.failure_s.unique())
-    colours = dict(zip(times, colormaps["viridis"](np.linspace(0.0, 0.9, len(times))), strict=True))
-    for (time, _), glide in table.groupby(["failure_s", "way"], sort=False):
-        at = glide[["east_ft", "north_ft"]] / 1000.0
-        tracks.plot(at.east_ft, at.north_ft, color=colours[time], linewidth=1.2)
-        tracks.plot(at.east_ft.iloc[0], at.north_ft.iloc[0], "o", color=colours[time], markersize=4)
-    tracks.plot(
-        [-_RUNWAY / 1000.0, 0.0], [0.0, 0.0], color="0.5", linewidth=6, solid_capstyle="butt"
-    )
-    tracks.annotate("runway", (-_RUNWAY / 1000.0, 0.12), fontsize="small")
-    tracks.set(xlabel="east of the runway's end [1000 ft]", ylabel="north [1000 ft]")
-    # the glides straight ahead go on
-    tracks.set_xlim(-1.2 * _RUNWAY / 1000.0, 1.3 * back.east_ft.max() / 1000.0)
-    for way, marker in zip([way for way, side in WAYS.items() if side], "<>", strict=True):
-        glides = table[table.way == way].groupby("failure_s")
-        heights.plot(
-            glides.height_ft.first(),
-            glides.height_ft.last(),
-            f"{marker}-",
-            label=f"{way} (45 deg of bank)",
-        )
-    heights.axhline(0.0, color="k", linewidth=1.0)
-    heights.set(xlabel="height of the failure [ft]", ylabel="height at the threshold [ft]")
-    heights.legend(loc="lower right", fontsize="small")
-    for ax in (tracks, heights):
-        ax.grid(alpha=0.4)
-    figure.suptitle(title or "c172p: engine failure after take-off, wind 10 kt from the left")
-    return figure
