@@ -136,9 +136,9 @@ class DiagramEnv(gymnasium.Env):
     action_space: gymnasium.spaces.Box
     observation_space: gymnasium.spaces.Box
 
-    def __init__(self, build: Callable[[Mapping[str, Any]], Any], options: Mapping[str, Any]):
+    def __init__(self, build: Callable[[Mapping[str, Any]], Any], given: Mapping[str, Any]):
         self._build = build
-        self._options = options
+        options = self._options = given
         self._vary = {n: _range(n, r) for n, r in mapping("vary", options["vary"]).items()}
         for name, (low, high) in self._vary.items():
             number(name, high - low)
