@@ -31,11 +31,34 @@ FAST = (
     *(f"pathview/test_{name}.py" for name in ("convert", "layout", "unreadable")),
     *(f"test_{name}.py" for name in ("budgets", "conventions", "promises", "sources", "units")),
 )
+# rooms in depth: all tests of these files are `deep`, beyond the selection of the README's command
+DEEP = (
+    "browser/test_view.py",
+    *(f"control/test_{name}.py" for name in ("disturbances", "holds", "schedules")),
+    *(f"core/test_{name}.py" for name in ("attributes", "copies", "ends_of_steps", "running")),
+    "design/",
+    *(f"flight/test_{name}.py" for name in ("engines", "fleet", "newton")),
+    *(f"guidance/test_{name}.py" for name in ("climbs", "landing", "navigation", "protection")),
+    *(
+        f"linear/test_{name}.py"
+        for name in ("diagrams", "governed_propellers", "margins", "model", "servos")
+    ),
+    *(
+        f"pathview/test_{name}.py"
+        for name in ("export", "hosted_editor", "needless_refusals", "strangers", "whole_scripts")
+    ),
+    *(f"studies/test_{name}.py" for name in ("aircraft_report", "branch", "performance", "resume")),
+    *(f"test_{name}.py" for name in ("gym", "script_commands")),
+)
 FAST_SECONDS = 2.0  # of processor time; the first test of a module may import it
 
 
 def is_fast(path):
     return path.relative_to(TESTS).as_posix().startswith(FAST)
+
+
+def is_deep(path):
+    return path.relative_to(TESTS).as_posix().startswith(DEEP)
 
 
 def pytest_ignore_collect(collection_path, config):
@@ -54,6 +77,8 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if is_fast(item.path) and not item.get_closest_marker("long"):
             item.add_marker("fast")
+        if is_deep(item.path):
+            item.add_marker("deep")
 
 
 @pytest.hookimpl(wrapper=True)
