@@ -74,7 +74,7 @@ NOT_FLYING = {  # aircraft: TrimError.reason, or the other error
     "sgs126": "thrust",
     "sgs233": "thrust",
     "Shuttle": "thrust",
-    "Submarine_Scout": "no convergence",
+    "Submarine_Scout": "thrust",
     "weather-balloon": "thrust",
     "wrightFlyer1903": "thrust",
     "X15": "fuel",
