@@ -1,15 +1,14 @@
-"""Stall protection: a Cessna 172 commanded to 55 KCAS, with and without the port alpha.
+"""Stall protection: a Cessna 172 commanded to 52 KCAS, with and without the port alpha.
 
 Two Cessnas at 5000 ft and 90 KCAS under the same ``Autopilot``: altitude held, commanded airspeed
-35 kt lower at 10 s. They differ only in the connection to the port ``alpha``. Without it the
+38 kt lower at 10 s. They differ only in the connection to the port ``alpha``. Without it the
 autopilot measures only the airspeed: it pulls to hold the altitude behind the power curve, past the
 angle of maximum lift, 16.1 deg. With it the angle of attack limits the pitch reference, and the
 throttle opens in time.
 
-Expected: with alpha, at least 53.4 kt, alpha at most 10.3 deg, altitude within 11 ft, and 54.2 kt
-at the end. The protection adds throttle below 54.2 kt, about 0.5 per knot, so the airspeed stays
-there because the integral of the autothrottle is slow. Without the connection 46.6 kt and 17.6 deg;
-in still air the aircraft just recovers, without a loss of height.
+Expected: with alpha, at least 50.8 kt, alpha at most 12.3 deg, altitude within 14 ft, and 52.4 kt
+at the end. Without the connection 46.3 kt and 25.3 deg: the aircraft stalls, stays stalled, and has
+lost 4351 ft at the end. With a step of -35 kt it just recovers.
 
 Source: our own.
 """
@@ -21,7 +20,7 @@ from pathsim_jsbsim_blocks import Aircraft, Autopilot
 
 DURATION = 200.0  # s
 
-slower = StepSource(amplitude=-35.0, tau=10.0)
+slower = StepSource(amplitude=-38.0, tau=10.0)
 protected = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
 watching = Autopilot(gains="c172p")
 plain = Aircraft(aircraft="c172p", altitude=5000.0, speed=90.0)
@@ -78,8 +77,8 @@ def figure():
         speeds,
         angles,
         heights,
-        title="c172p: 55 KCAS commanded, with and without the port alpha",
-        references={"airspeed, alpha wired": lambda time: 90.0 - 35.0 * (time >= 10.0)},
+        title="c172p: 52 KCAS commanded, with and without the port alpha",
+        references={"airspeed, alpha wired": lambda time: 90.0 - 38.0 * (time >= 10.0)},
     )
 
 
