@@ -33,7 +33,6 @@ FAST = (
 )
 # rooms in depth: all tests of these files are `deep`, beyond the selection of the README's command
 DEEP = (
-    "browser/test_view.py",
     *(f"control/test_{name}.py" for name in ("disturbances", "holds", "schedules")),
     *(f"core/test_{name}.py" for name in ("attributes", "copies", "ends_of_steps", "running")),
     "design/",
