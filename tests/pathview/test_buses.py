@@ -135,7 +135,7 @@ GOOD = {
         [*WIRES, {**wire("bus", "all"), "label": "bus"}, wire("all", "sel"), wire("sel", "out"),
          wire("sel", "out", 1, 1)],
     ),
-    "an input that nobody selects is not connected": (
+    "an input without a selection is not connected": (
         [*BUS[:2], block("bus", "BusCreator", 3, 1), selector("q", "theta")],
         [*WIRES, wire("bus", "sel"), wire("sel", "out"), wire("sel", "out", 1, 1)],
     ),

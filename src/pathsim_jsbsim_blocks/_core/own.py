@@ -1,4 +1,4 @@
-"""A block's own values: copies of what the caller passed, which nobody can edit."""
+"""A block's own values: read-only copies of what the caller passed."""
 
 from __future__ import annotations
 
