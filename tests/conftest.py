@@ -1,4 +1,5 @@
 import os
+import signal
 import sys
 import time
 from pathlib import Path
@@ -9,6 +10,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 from hypothesis import settings
+
+# a shell that starts the tests in the background has them ignore Ctrl-C, and with them the programs
+# that they start and interrupt
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # derandomized: a run finds what the run before it found
 settings.register_profile("quick", max_examples=100, deadline=None, derandomize=True)

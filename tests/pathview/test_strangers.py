@@ -96,8 +96,6 @@ def test_an_interrupted_export_leaves_no_process(tmp_path):
     export = subprocess.Popen(
         [sys.executable, "-m", "pathsim_jsbsim_blocks.cli", "export", str(tmp_path / "a.py")],
         stderr=subprocess.DEVNULL,
-        # it is ignored in what a shell starts in the background
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     pid = tmp_path / "pid"
     end = time.monotonic() + 60

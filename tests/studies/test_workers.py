@@ -195,8 +195,6 @@ def test_ctrl_c_says_how_to_resume_and_leaves_nothing_behind(tmp_path, times):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        # it is ignored in what a shell starts in the background
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as process:
         deadline = time.monotonic() + 60
         while not path.exists() or path.read_bytes().count(b"\n") < 3:
@@ -238,7 +236,6 @@ def test_ctrl_c_while_workers_import_leaves_the_message_alone(tmp_path):
         text=True,
         start_new_session=True,
         env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as process:
         deadline = time.monotonic() + 60
         # joblib's tracker and both workers
