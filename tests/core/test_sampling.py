@@ -11,6 +11,7 @@ from pathsim.events import Condition, Event, ZeroCrossing
 from pathsim.exceptions import LinearizationError
 from pathsim.solvers import ESDIRK43, EUB, RK4, RKBS32, RKDP54, SSPRK22
 
+from pathsim_jsbsim_blocks._core.clock import STEP
 from pathsim_jsbsim_blocks._core.pathsim_internals import values
 from pathsim_jsbsim_blocks._core.sampling import SampledLaw, SampledPlant
 
@@ -308,7 +309,7 @@ def clock_in_a_step_from(t):
     clock = counting(ramp())[0].clock
     clock.now = 1, [0.0], [0.0]
     clock.join(t)
-    clock.reached, clock.stepping = t, True
+    clock.reached, clock.phase = t, STEP
     return clock
 
 

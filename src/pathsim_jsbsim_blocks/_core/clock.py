@@ -2,9 +2,9 @@
 
 The order of PathSim's calls, and what a block does at an instant, are described in `sampling`.
 
-A solver's stage at t_k belongs to the period before. So a clock is open from its tick, an event, to
-``sample``. A step without stages has one evaluation, at its end, so clocks are open from its start:
-this saves an evaluation per block, and a ZeroCrossing detects the change. This is not done with an
+A solver's stage at t_k belongs to the period before. So a block acts from its tick, an event, to
+``sample``. A step without stages has one evaluation, at its end, so blocks act from its start: this
+saves an evaluation per block, and a ZeroCrossing detects the change. This is not done with an
 adaptive solver, whose search for a crossing would not converge at a jump.
 
 The results of a step at t_k (`SampleClock.ahead`) are stored beside those before t_k (``now``)
@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 import sys
+from enum import Enum, auto
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -73,6 +74,36 @@ class Settling(Event):
 settlings: WeakKeyDictionary[Any, Settling] = WeakKeyDictionary()
 
 
+class Phase(Enum):
+    """What an evaluation of a block means, between two of PathSim's calls.
+
+    =========  ==========================================  ======================================
+    phase      the block                                   becomes
+    =========  ==========================================  ======================================
+    IDLE       is in no run, and ignores ``sample``        BETWEEN as a run begins (``detect``)
+    BETWEEN    waits for a step                            START at a run's first tick
+                                                           (``resolve``), STEP at ``buffer``
+    START      acts, at the first instant of a run         BETWEEN at ``sample``
+    STEP       is in the period before the next instant    INSTANT at the tick
+    INSTANT    acts, at an instant that ends the period    BETWEEN at ``sample``, STEP at the first
+                                                           stage, if the step has stages after all
+    =========  ==========================================  ======================================
+
+    A step without stages begins in INSTANT. A rejected or interrupted step begins again at
+    ``buffer``, an interrupted run at ``detect``, from any phase. `SampleClock.leave` leads to IDLE.
+    """
+
+    IDLE = auto()
+    BETWEEN = auto()
+    START = auto()
+    STEP = auto()
+    INSTANT = auto()
+
+
+# module constants: the members are compared several times per step
+IDLE, BETWEEN, START, STEP, INSTANT = Phase
+
+
 class SampleClock(Schedule):
     """The instants of a block, counted by an integer, and the results at them.
 
@@ -89,14 +120,9 @@ class SampleClock(Schedule):
         evaluations from ``due`` to ``end`` count as the next instant, s; tolerance for the rounding
         of the diagram's time, a sum of steps, s
     reached : float
-        time at which the block was last sampled, or from which a step starts, s; -inf if a run
-        has only begun, nan before the first event
-    stepping : bool
-        whether a step has started there, and has not sampled the block
-    open : bool
-        whether an evaluation at the next instant makes the block act
-    at_end : bool
-        whether a step without stages is evaluated at its end only
+        time at which the block was last sampled, or from which a step starts, s; -inf before
+    phase, first_phase : Phase
+        present phase, and that in which a step starts
     depth : int
         number of subsystems around the block
     begun : tuple
@@ -106,7 +132,7 @@ class SampleClock(Schedule):
     def __init__(self, block: Any):  # a `SampledBlock`
         super().__init__(t_period=block.T)
         # not in the block, where setting an attribute is slower: every step changes them
-        self.block, self.depth, self.at_end = block, 0, False
+        self.block, self.depth, self.first_phase = block, 0, STEP
         self.settling: Any = None
         self.reset()
 
@@ -155,7 +181,7 @@ class SampleClock(Schedule):
     def leave(self) -> None:
         """Called when the block is added to a simulation, at any time."""
         self._keep()
-        self.reached, self.stepping, self.open = math.nan, False, False
+        self.reached, self.phase = -math.inf, IDLE
 
     def join(self, t: float) -> None:
         """Make samples up to ``t`` final.
@@ -172,24 +198,24 @@ class SampleClock(Schedule):
 
     def buffer(self, t: float) -> None:
         """A step starts at ``t``."""
-        if not t <= self.reached:
+        if t > self.reached:
             self._begin(t)
         self.join(t)
-        self.reached, self.stepping, self.open = t, True, self.at_end
+        self.reached, self.phase = t, self.first_phase
 
     def _begin(self, t: float) -> None:
         """Sample at ``t``, the start of a step that belongs to no run."""
         block = self.block
-        if not self.reached > -math.inf:
+        if self.reached == -math.inf:
             if not block._engine.history:
                 begin_stepping(calling_simulation(block._engine))
             else:
                 # the block was switched on, or added to the diagram, during a run
                 self.join(t)
-                self.reached, self.open = -math.inf, True
+                self.phase = START
                 block.update(t)
                 block.sample(t, 0.0)
-        if not t <= self.reached:
+        if t > self.reached:
             why = f"{name_of(block)} was not sampled at {t:.9g} s, where the diagram continues: "
             refuse("pss", t, f"{why}Simulation.pss cannot fly a {type(block).__name__}")
 
@@ -198,20 +224,18 @@ class SampleClock(Schedule):
         return self.next() - t
 
     def detect(self, t: float) -> tuple[bool, bool, float]:
-        begins = not (self.stepping and self.reached < t)
+        begins = not (self.phase in (STEP, INSTANT) and self.reached < t)
         if begins:
             # a run begins, maybe after one that ended within a step
             self.join(t)
-            self.open = False
-            if math.isnan(self.reached):
-                self.reached = -math.inf
+            self.phase = BETWEEN
             if (sim := calling_simulation(self.block._engine)) is not None:
                 warn_of_wiring(sim)
             self.block._run_begins()
         due = t >= self.due
         if self.depth and (due or (begins and self.at_latest(t))):
             self.settling.depth = max(self.settling.depth, self.depth)
-        if not due or (self.open and t <= self.end):
+        if not due or (self.phase is INSTANT and t <= self.end):
             return _NOT_DETECTED
         time, self.end = self.next(), max(t, self.end)
         if t <= time + self.slack:
@@ -219,7 +243,7 @@ class SampleClock(Schedule):
         return True, False, (time - self.reached) / (t - self.reached)
 
     def resolve(self, t: float) -> None:
-        self.open = True
+        self.phase = INSTANT if self.phase in (STEP, INSTANT) else START
 
     def to_checkpoint(self, prefix: str) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix)

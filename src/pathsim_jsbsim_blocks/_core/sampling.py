@@ -19,7 +19,6 @@ The clock of a block, `SampleClock`, tells when it acts.
 from __future__ import annotations
 
 import inspect
-import math
 import warnings
 from collections.abc import Mapping
 from copy import copy
@@ -29,7 +28,17 @@ from pathsim.events import Event
 from pathsim.exceptions import LinearizationError
 
 from .callers import depth_in_subsystems, warn_user
-from .clock import SampleClock, Settling, sample_period, settlings
+from .clock import (
+    BETWEEN,
+    IDLE,
+    INSTANT,
+    START,
+    STEP,
+    SampleClock,
+    Settling,
+    sample_period,
+    settlings,
+)
 from .parameters import Parametric
 from .pathsim_internals import WiredRegister, port_names, show, values
 from .pathsim_types import Block
@@ -70,7 +79,8 @@ class SampledBlock(Block):
         clock.leave()
         if parent is self._engine:
             return
-        self._engine, clock.at_end = parent, parent.is_explicit and not parent.is_adaptive
+        self._engine = parent
+        clock.first_phase = INSTANT if parent.is_explicit and not parent.is_adaptive else STEP
         if self.events:
             clock.depth = depth_in_subsystems()
             clock.settling = settlings.setdefault(parent, Settling())
@@ -88,13 +98,14 @@ class SampledBlock(Block):
         clock = self.clock
         if clock.depth:
             clock.settling.depth = clock.settling.asked = 0
-        if clock.open and clock.due <= t <= clock.end:
+        phase = clock.phase
+        if (phase is INSTANT or phase is START) and clock.due <= t <= clock.end:
             clock.ahead = self._act(t)
             y = clock.ahead[1]
         else:
-            if t <= clock.reached:
+            if phase is INSTANT and t <= clock.reached:
                 # the first stage of a step; others follow, maybe at the step's end
-                clock.open = False
+                clock.phase = STEP
             y = clock.now[1] if t < clock.due else clock.latest[1]
         if y is not None:
             show(self.outputs, y)
@@ -102,8 +113,8 @@ class SampledBlock(Block):
     def sample(self, t: float, dt: float) -> None:
         clock = self.clock
         # a block added within a step begins with the next one
-        if clock.stepping or not math.isnan(clock.reached):
-            clock.reached, clock.stepping, clock.open = t, False, False
+        if clock.phase is not IDLE:
+            clock.reached, clock.phase = t, BETWEEN
 
     def _late(self, t: float) -> int:
         """Number of instants up to ``t``, more than one; warn once."""
@@ -171,16 +182,17 @@ class SampledPlant(SampledBlock):
 
     def sample(self, t: float, dt: float) -> None:
         clock = self.clock
-        if clock.open and t >= clock.due:
+        phase = clock.phase
+        if (phase is INSTANT or phase is START) and t >= clock.due:
             i, y, _ = clock.ahead
             clock.ahead = i, y, self.latch(t)
-        elif not (clock.stepping and clock.reached < t) and clock.at_latest(t):
+        elif not (phase in (STEP, INSTANT) and clock.reached < t) and clock.at_latest(t):
             # a run begins at an instant: values may have been edited since the last run
             i, y, _ = clock.now
             clock.now = i, y, self.latch(t)
         # as in `SampledBlock.sample`; calling it would double the time
-        if clock.stepping or not math.isnan(clock.reached):
-            clock.reached, clock.stepping, clock.open = t, False, False
+        if phase is not IDLE:
+            clock.reached, clock.phase = t, BETWEEN
 
 
 class SampledLaw(Parametric, SampledBlock):
