@@ -158,24 +158,24 @@ def great_circle(start: Any, end: Any) -> GreatCircle:
 
 def circle_through(first: Place, last: Place) -> GreatCircle | None:
     """The great circle between two places; None if they coincide or lie opposite each other."""
-    left = _cross(first.position, last.position)
-    area = math.sqrt(_dot(left, left))
+    normal = _cross(first.position, last.position)
+    area = math.sqrt(_dot(normal, normal))
     if area < _NEAR * SEMI_MINOR_AXIS:
         return None
-    left = _scaled(left, 1.0 / area)
+    normal = _scaled(normal, 1.0 / area)
     end = _scaled(last.position, 1.0 / math.sqrt(_dot(last.position, last.position)))
-    return GreatCircle(left, end, _cross(left, end), distance(first, last))
+    return GreatCircle(normal, end, _cross(normal, end), distance(first, last))
 
 
 def line_to(end: Place, course: float) -> GreatCircle:
     """The great circle that reaches a place on a course in deg; its length is 0."""
     chi = math.radians(course)
     north, east = _scaled(end.north, math.cos(chi)), _scaled(end.east, math.sin(chi))
-    ahead = (north[0] + east[0], north[1] + east[1], north[2] + east[2])
+    forward = (north[0] + east[0], north[1] + east[1], north[2] + east[2])
     up = _scaled(end.position, 1.0 / math.hypot(*end.position))
-    left = _cross(up, ahead)
-    left = _scaled(left, 1.0 / math.hypot(*left))
-    return GreatCircle(left, up, _cross(left, up), 0.0)
+    normal = _cross(up, forward)
+    normal = _scaled(normal, 1.0 / math.hypot(*normal))
+    return GreatCircle(normal, up, _cross(normal, up), 0.0)
 
 
 def distance(a: Place, b: Place) -> float:
@@ -186,10 +186,10 @@ def distance(a: Place, b: Place) -> float:
     return diameter * math.asin(min(chord / diameter, 1.0))
 
 
-def motion(before: Place, now: Place) -> tuple[float, float]:
+def motion(start: Place, end: Place) -> tuple[float, float]:
     """North and east distance in ft between two nearby places."""
-    d = tuple(b - a for a, b in zip(before.position, now.position, strict=True))
-    return _dot(d, now.north), _dot(d, now.east)
+    d = tuple(b - a for a, b in zip(start.position, end.position, strict=True))
+    return _dot(d, end.north), _dot(d, end.east)
 
 
 def latitude_longitude(parameter: str, value: Any) -> tuple[float, float]:

@@ -97,7 +97,7 @@ def _interrupts() -> Iterator[None]:
         in_main = threading.current_thread() is threading.main_thread()
         for name in ("SIGINT", "SIGTERM", "SIGHUP") if in_main else ():
             if number := getattr(signal, name, None):
-                before = signal.signal(number, signal.default_int_handler)
-                stack.callback(signal.signal, number, before)
+                handler = signal.signal(number, signal.default_int_handler)
+                stack.callback(signal.signal, number, handler)
         stack.enter_context(suppress(KeyboardInterrupt))
         yield

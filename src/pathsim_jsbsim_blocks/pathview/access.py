@@ -17,14 +17,14 @@ _SAFE = ("GET", "HEAD")
 class Access:
     """Secrets of one server start: a token in the opened address, exchanged for a cookie.
 
-    They differ because other programs may see or log the address. ``served`` tells whether the
+    They differ because other programs may see or log the address. ``may_open`` tells whether the
     page may open the file at a path.
     """
 
-    def __init__(self, served: Callable[[str], bool]):
+    def __init__(self, may_open: Callable[[str], bool]):
         self.token = secrets.token_urlsafe(32)
         self._session = secrets.token_urlsafe(32)
-        self._served = served
+        self._may_open = may_open
 
     def refusal(self, request: Any, page: bool) -> str:
         """Reason for refusing a request, ``page`` if it is for an HTML page; empty if allowed."""
@@ -69,7 +69,7 @@ class Access:
         for name, value in request.args.items(multi=True):
             if not (
                 name in harmless
-                or (name == "model" and self._served(value))
+                or (name == "model" and self._may_open(value))
                 or (name, value) in (("backend", "flask"), ("host", _origin(request)))
             ):
                 return f"not served here: {name}={value}"

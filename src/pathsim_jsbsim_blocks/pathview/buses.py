@@ -37,9 +37,9 @@ def _level(
         if target["type"] in BUSES:
             continue
         # PathView numbers the ports of subsystems anew, and the wires of a bus: "id.0", "id.1"
-        renumbered = target["type"] in ("Subsystem", "Interface")
+        bears_numbers = target["type"] in ("Subsystem", "Interface")
         remains = {connection["id"], f"{connection['id']}.0"} & names
-        if not (remains if renumbered else (target["id"], port) in ends):
+        if not (remains if bears_numbers else (target["id"], port) in ends):
             source, output = connection["sourceNodeId"], connection["sourcePortIndex"]
             bus = model.structure_out(level, source, output)
             why = "does not reach a signal"
@@ -52,16 +52,16 @@ def _level(
             graph = node["graph"]
             _level(model, inner, graph["nodes"], graph["connections"], refuse)
             interface = next((n["id"] for n in inner.node_list if n["type"] == "Interface"), None)
-            for side, outer, into, outside, inside in (
+            for side, outer, into, entering, leaving in (
                 ("inputs", level, node["id"], connections, graph["connections"]),
                 ("outputs", inner, interface, graph["connections"], connections),
             ):
                 # a signal that its bus creator lacks is used on the other side of the border
-                wired = sum(x["targetNodeId"] == into for x in outer.connections)
+                count = sum(x["targetNodeId"] == into for x in outer.connections)
                 sources = {node["id"], interface} - {into}
-                used = {x["sourcePortIndex"] for x in inside if x["sourceNodeId"] in sources}
-                fed = {x["targetPortIndex"] for x in outside if x["targetNodeId"] == into}
-                if wired == len(node[side]) and used - fed:
+                outputs = {x["sourcePortIndex"] for x in leaving if x["sourceNodeId"] in sources}
+                inputs = {x["targetPortIndex"] for x in entering if x["targetNodeId"] == into}
+                if count == len(node[side]) and outputs - inputs:
                     refuse(
                         f"subsystem {node['name']!r}: a bus of its {side} has an unconnected signal"
                     )

@@ -82,20 +82,20 @@ class Code:
         order: list[Piece] = []
 
         def add(piece: Piece) -> None:
-            if piece.text and piece not in order and piece not in begun:
-                begun.append(piece)
+            if piece.text and piece not in order and piece not in stack:
+                stack.append(piece)
                 for name in sorted(piece.needs, key=lambda n: (self._pieces[n].line, n)):
                     add(self._pieces[name])
                 order.append(piece)
 
-        begun: list[Piece] = []
+        stack: list[Piece] = []
         for piece in sorted(self._pieces.values(), key=lambda p: p.line):
             add(piece)
         lines: list[str] = []
         end = 0.0
         for piece in [*order, *self._states]:
-            apart = lines and (piece.line > end + 1 or _DEFINITION.match(piece.text))
-            lines.append(("\n" if apart and piece.line != math.inf else "") + piece.text)
+            gap = lines and (piece.line > end + 1 or _DEFINITION.match(piece.text))
+            lines.append(("\n" if gap and piece.line != math.inf else "") + piece.text)
             end = piece.end
         return self.filled("\n".join(lines).lstrip("\n"), variables)
 
@@ -157,9 +157,9 @@ class Code:
         if isinstance(value, np.ndarray) and type(value) is np.ndarray and value.dtype != object:
             if value.dtype.kind not in "biufcU":  # e.g. structured
                 raise Unwritable(f"an array of {value.dtype} cannot be written")
-            same = value.size and np.array(value.tolist()).dtype == value.dtype
+            keeps_type = value.size and np.array(value.tolist()).dtype == value.dtype
             shape = "" if value.size else f".reshape({value.shape})"
-            dtype = "" if same else f", dtype={str(value.dtype)!r}"
+            dtype = "" if keeps_type else f", dtype={str(value.dtype)!r}"
             return f"np.array({_numbers(value.tolist())}{dtype}){shape}"
         if type(value) is list:
             return f"[{each(value)}]"
@@ -217,26 +217,26 @@ class Code:
         """An unused name; a name that the script gives to this value counts as unused."""
         namespace = self.script.namespace
 
-        def taken(name: str) -> bool:
-            other = name in namespace and namespace[name] is not mine
-            return other or name in self._pieces or bool(TAKEN.fullmatch(name))
+        def is_taken(name: str) -> bool:
+            clash = name in namespace and namespace[name] is not mine
+            return clash or name in self._pieces or bool(TAKEN.fullmatch(name))
 
-        return unique(wish.strip("_") or "value", taken)
+        return unique(wish.strip("_") or "value", is_taken)
 
     def _defined(self, value: Any, wish: str, line: float = math.inf) -> str:
         """Define a value and return its name."""
         if wish.isidentifier() and isinstance(self.script.namespace.get(wish), PARTS):
             wish = f"{wish}_{'function' if callable(value) else 'value'}"
-        held = [n for n in self.script.names_of(value) if not _scalar(value)]
-        wish = held[0] if held else wish
+        variables = [n for n in self.script.names_of(value) if not _scalar(value)]
+        wish = variables[0] if variables else wish
         name = self._free(wish if wish.isidentifier() else "value", value)
         piece = self._pieces[name] = Piece(line=line)
         if not _scalar(value):
             self._texts[id(value)] = name, value
         self._needs.append(piece.needs)
         # a cached function returns the same values without its cache
-        cached = isinstance(value, functools._lru_cache_wrapper)
-        function: Any = value.__wrapped__ if cached else value
+        has_cache = isinstance(value, functools._lru_cache_wrapper)
+        function: Any = value.__wrapped__ if has_cache else value
         if isinstance(function, types.FunctionType) and not _is_lambda(function):
             definition = of_function(function)
             if definition and function.__code__.co_filename == str(self.script.path):
@@ -254,9 +254,9 @@ class Code:
             raise Unwritable(f"{_short(value)} is an array of objects, or has attributes")
         elif isinstance(value, types.ModuleType):
             kind = self.expression(types.SimpleNamespace, "SimpleNamespace")
-            used = self.script.attributes_of(wish)
-            inside = (f"{n}={self._attribute(getattr(value, n), n)}" for n in used)
-            piece.text = f"{name} = {kind}({', '.join(inside)})"
+            names = self.script.attributes_of(wish)
+            fields = (f"{n}={self._attribute(getattr(value, n), n)}" for n in names)
+            piece.text = f"{name} = {kind}({', '.join(fields)})"
         else:
             self._object(value, name, piece)
         self._needs.pop()
@@ -313,8 +313,10 @@ class Code:
                 self._need(name)
                 return name
         name = self._free(wish, module)
-        own = module.__name__ == name
-        self._pieces[name] = Piece(f"import {module.__name__}" + ("" if own else f" as {name}"), -1)
+        is_name = module.__name__ == name
+        self._pieces[name] = Piece(
+            f"import {module.__name__}" + ("" if is_name else f" as {name}"), -1
+        )
         self._need(name)
         return name
 
@@ -328,15 +330,15 @@ class Code:
             owner = getattr(value, "__self__", None)
             name = owner.__name__ if isinstance(owner, types.ModuleType) else None
         module = sys.modules.get(name or "")
-        for held in self.script.names_of(value) if not _scalar(value) else ():
-            if self.expressions.imported(held) and self._as_written(held):
-                self._need(held)
-                return held
-        if shared := _SHARED.get(id(getattr(value, "__self__", None))):
-            return f"{self._module(shared, 'random')}.{value.__name__}"
+        for variable in self.script.names_of(value) if not _scalar(value) else ():
+            if self.expressions.imported(variable) and self._as_written(variable):
+                self._need(variable)
+                return variable
+        if generator := _SHARED.get(id(getattr(value, "__self__", None))):
+            return f"{self._module(generator, 'random')}.{value.__name__}"
         if not isinstance(path, str) or module is None or self.script.is_beside(name or ""):
             return ""
-        top, *rest = path.split(".")
+        top, *attributes = path.split(".")
         try:
             if operator.attrgetter(path)(module) is not value:
                 return ""
@@ -354,7 +356,7 @@ class Code:
             self._pieces[alias] = Piece(text, -1)
             self._texts[id(first)] = alias, first
         self._need(alias)
-        return ".".join([alias, *rest])
+        return ".".join([alias, *attributes])
 
     # functions and classes ------------------------------------------------------------------------
 
@@ -373,7 +375,7 @@ class Code:
                 if isinstance(node, ast.Name) and node.id == argument:
                     new[node] = text
         decorators = [n for d in getattr(source.node, "decorator_list", ()) for n in ast.walk(d)]
-        without = {n for replaced in new for n in ast.walk(replaced)}.union(decorators)
+        without = {n for root in new for n in ast.walk(root)}.union(decorators)
         _Names(self, source.node, function.__globals__, cells).put(new, without)
         text = text_of(source, new)
         if _STAND_IN.search(text):
@@ -457,10 +459,10 @@ class Code:
 
     def _changed(self, kind: type, name: str, source: ast.ClassDef) -> Iterator[str]:
         """Assignments of a class's numbers and texts that differ from its source."""
-        written = {target.id: value for s in source.body for target, value in assignments(s)}
+        nodes = {target.id: value for s in source.body for target, value in assignments(s)}
         for attribute, value in list(vars(kind).items()):
             if _scalar(value) and not attribute.endswith("_"):  # dunder names are Python's
-                node = written.get(attribute)
+                node = nodes.get(attribute)
                 if node is None or not self.expressions.gives(node, value):
                     yield f"{name}.{attribute} = {self.expression(value, attribute)}"
 
@@ -469,30 +471,30 @@ class Code:
     def _object(self, value: Any, name: str, piece: Piece) -> None:
         """An object as pickle would rebuild it."""
         try:
-            reduced = value.__reduce_ex__(4)
+            recipe = value.__reduce_ex__(4)
         except Exception as error:
             raise Unwritable(f"{_short(value)} cannot be written ({error})") from None
-        if isinstance(reduced, str):
+        if isinstance(recipe, str):
             raise Unwritable(f"{_short(value)} cannot be written")
-        make, arguments, state, items, pairs = (*reduced, None, None, None)[:5]
+        make, arguments, state, items, pairs = (*recipe, None, None, None)[:5]
         if make is copyreg.__newobj__:  # type: ignore[attr-defined]
             text = f"{self.expression(type(value), type(value).__name__)}.__new__"
         else:
             text = self.expression(make, getattr(make, "__name__", "make"))
         arguments = ", ".join(self.expression(a, name) for a in arguments)
         piece.text = f"{name} = {text}({arguments})"
-        later = Piece()
+        states = Piece()
         self._needs.append(set())  # states come last, after all definitions
         lines = [*self._state(value, name, state)]
         lines += [f"{name}.append({self.expression(i, name)})" for i in items or ()]
         for k, v in pairs or ():
             lines.append(f"{name}[{self.expression(k, name)}] = {self.expression(v, name)}")
         self._needs.pop()
-        later.text = "\n".join(lines)
+        states.text = "\n".join(lines)
         if _STAND_IN.search(piece.text):
             raise Unwritable(f"{_short(value)} contains blocks")
         if lines:
-            self._states.append(later)
+            self._states.append(states)
 
     def _state(self, value: Any, name: str, state: Any) -> Iterator[str]:
         if state is None:
@@ -504,10 +506,10 @@ class Code:
             yield f"{name}.__setstate__({self.expression(state, name)})"
             return
         late = {k: v for k, v in state.items() if _holds_parts(v)}
-        now = {k: self._attribute(v, k) for k, v in state.items() if k not in late}
-        if now:
-            inside = ", ".join(f"{k}={v}" for k, v in now.items() if str(k).isidentifier())
-            yield f"{name}.__dict__.update({inside})"
+        texts = {k: self._attribute(v, k) for k, v in state.items() if k not in late}
+        if texts:
+            fields = ", ".join(f"{k}={v}" for k, v in texts.items() if str(k).isidentifier())
+            yield f"{name}.__dict__.update({fields})"
         for k, v in slots.items():
             yield f"{name}.{k} = {self._attribute(v, k)}"
         if late:

@@ -97,8 +97,8 @@ def script_model(
     if first_run.generators.drawn:
         notes.append("random numbers without a seed that the script has drawn are fixed in the "
                      "model: it flies the same in each run")  # fmt: skip
-    if rest := first_run.left_out():
-        what = ", ".join(f"line {line}: {text}" for line, text in rest)
+    if omissions := first_run.left_out():
+        what = ", ".join(f"line {line}: {text}" for line, text in omissions)
         notes.append(f"the model is the diagram of the first run (line {start}); not in it: {what}")
     for text in notes:
         # at the script's line: the caller's line would be in the command's code
@@ -142,11 +142,11 @@ def _refuse(difference: Difference, script: FirstRun, diagram: Diagram) -> NoRet
         parting = f"{at} the script {difference.script}, and the model {difference.model}"
         script.refuse(parting, script.run_call)
     part = diagram.parts[difference.variable].value
-    built = script.built_at(part)
-    place = script.last_mention(*script.names_of(part), script.target(part)) or built
+    call = script.built_at(part)
+    place = script.last_mention(*script.names_of(part), script.target(part)) or call
     why = "it depends on something that the model does not have, such as the state of a generator "
     why += "of random numbers"
-    if place is not built:
+    if place is not call:
         why = f"line {getattr(place, 'lineno', 0)} may change it after it is built"
     if script.states:
         method, line = script.states[-1]

@@ -100,8 +100,8 @@ class Expressions:
             return ""
         module = getattr(statement, "module", "") or ""
         for alias in statement.names:
-            beside = self._script.is_beside(module or alias.name)
-            if name == (alias.asname or alias.name.partition(".")[0]) and not beside:
+            is_local = self._script.is_beside(module or alias.name)
+            if name == (alias.asname or alias.name.partition(".")[0]) and not is_local:
                 return ast.unparse(type(statement)(**{**vars(statement), "names": [alias]}))
         return ""
 
@@ -123,15 +123,17 @@ class Expressions:
         return isinstance(node, _PLAIN)
 
     def _is_value(self, value: Any) -> bool:
-        named = isinstance(value, (types.ModuleType, type)) or _is_mathematical(value)
-        return named or is_data(value) or (dataclasses.is_dataclass(value) and is_data(vars(value)))
+        has_name = isinstance(value, (types.ModuleType, type)) or _is_mathematical(value)
+        return (
+            has_name or is_data(value) or (dataclasses.is_dataclass(value) and is_data(vars(value)))
+        )
 
     def _is_pure(self, function: ast.expr) -> bool:
         value = self._resolved(function)
         if value is None and isinstance(function, ast.Attribute):  # a method of an array
             return all(map(self._is_plain, ast.walk(function.value)))
-        described = isinstance(value, type) and dataclasses.is_dataclass(value)
-        return _is_mathematical(value) or (described and not issubclass(value, Block))
+        is_record = isinstance(value, type) and dataclasses.is_dataclass(value)
+        return _is_mathematical(value) or (is_record and not issubclass(value, Block))
 
     def _resolved(self, node: ast.AST) -> Any:
         """The object to which a name or an attribute refers; None for other expressions."""

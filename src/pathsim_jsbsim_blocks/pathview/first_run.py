@@ -233,8 +233,8 @@ class FirstRun(Script):
     @functools.cached_property
     def _of_loops(self) -> frozenset[str]:
         loops = [n for n in own(self.tree.body) if isinstance(n, ast.For)]
-        assigned = {target.id for n in own(self.tree.body) for target, _ in assignments(n)}
-        return bound(n.target for n in loops) - assigned
+        names = {target.id for n in own(self.tree.body) for target, _ in assignments(n)}
+        return bound(n.target for n in loops) - names
 
     def called(self, part: Any) -> str:
         """The name of a part of the diagram in error messages."""
@@ -268,8 +268,8 @@ class FirstRun(Script):
         """The file of a module, and its names."""
         if module == "__main__":
             return str(self.path), self.namespace
-        loaded = sys.modules[module]
-        return str(loaded.__file__), vars(loaded)
+        file = sys.modules[module]
+        return str(file.__file__), vars(file)
 
     def attributes_of(self, name: str) -> list[str]:
         """The attributes of a module that the script uses."""
@@ -280,8 +280,8 @@ class FirstRun(Script):
         """The variable, attribute or key to which the call that built an object is assigned."""
         node: Any = self.built_at(value)
         parent: Any = self._parents.get(node)
-        for around in filter(None, (parent, self._parents.get(parent))):  # ``a, b = f(), g()``
-            for name, value_node in assignments(around):
+        for statement in filter(None, (parent, self._parents.get(parent))):  # ``a, b = f(), g()``
+            for name, value_node in assignments(statement):
                 if value_node is node:
                     return name.id
         target = getattr(parent, "targets", [None])[0]
@@ -348,7 +348,7 @@ def _is_main_guard(statement: ast.stmt) -> TypeGuard[ast.If]:
 @contextmanager
 def _undone() -> Iterator[None]:
     """Restore the process state that a script changes, and suppress PathSim's log."""
-    before = logging.root.manager.disable
+    level = logging.root.manager.disable
     with ExitStack() as stack:
         stack.callback(os.chdir, os.getcwd())
         stack.enter_context(patch.dict(os.environ))
@@ -358,6 +358,6 @@ def _undone() -> Iterator[None]:
         stack.enter_context(np.errstate())
         stack.callback(np.random.set_state, np.random.get_state())  # noqa: NPY002
         stack.callback(random.setstate, random.getstate())
-        stack.callback(logging.disable, before)
-        logging.disable(max(before, logging.INFO))
+        stack.callback(logging.disable, level)
+        logging.disable(max(level, logging.INFO))
         yield

@@ -23,8 +23,8 @@ def checked(content: Json, registry: Json, path: Path) -> Json:
     content = complete(content)
     check = ModelCheck(content, registry, path)
     check.all()
-    shadowed = check.used & set(dir(builtins))
-    return without_clashes(content, check.assigned | shadowed, check.called_later, path)
+    builtin_names = check.used & set(dir(builtins))
+    return without_clashes(content, check.assigned | builtin_names, check.called_later, path)
 
 
 def to_python(content: Json, registry: Json, path: Path) -> str:
@@ -75,12 +75,12 @@ def _finished(code: str, content: Json, path: Path) -> str:
         head = [f'"""{text}"""', "", f"# converted from {printable(path.name)}"]
         code = "\n".join([*head, *lines])
     # the last match: the model's own code, which comes first, may contain the same text
-    before, start, rest = code.rpartition("\nsim = Simulation(\n")
+    definitions, start, tail = code.rpartition("\nsim = Simulation(\n")
     if content["simulationSettings"].get("log") is False:
-        rest = rest.replace("\n)\n", "\n    log=False,\n)\n", 1)
+        tail = tail.replace("\n)\n", "\n    log=False,\n)\n", 1)
     kinds = {node["type"] for node in content["graph"]["nodes"]}
     plots = _SPECTRA if "Spectrum" in kinds else _SCOPES if "Scope" in kinds else _PLOTS
-    return before + start + rest.replace(_PLOTS, plots)
+    return definitions + start + tail.replace(_PLOTS, plots)
 
 
 _PLOTS = """\
@@ -133,10 +133,10 @@ def _argument(value: Any) -> Any:
     if not isinstance(value, str) or not value.strip():
         return value
     value = value.strip()
-    inside = f"({value}\n)"
+    bracket = f"({value}\n)"
     try:
         with compiling():
-            alone, within = (ast.dump(ast.parse(f"f(x={v}, y=0)")) for v in (inside, value))
+            whole, within = (ast.dump(ast.parse(f"f(x={v}, y=0)")) for v in (bracket, value))
     except (SyntaxError, ValueError):
-        return inside
-    return value if alone == within else inside
+        return bracket
+    return value if whole == within else bracket

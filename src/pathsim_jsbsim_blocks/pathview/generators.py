@@ -26,11 +26,11 @@ class SharedGenerators:
 
     def look(self, own: bool = True) -> None:
         """Update the states; ``own`` if the script itself caused the changes since the last."""
-        before, self._states = self._states, _states()
+        past, self._states = self._states, _states()
         for name, state in self._states.items() if own else ():
-            if not _follows(state, before[name]):
+            if not _follows(state, past[name]):
                 self.set.add(name)
-            elif state != before[name]:
+            elif state != past[name]:
                 self.drawn = self.drawn or name not in self.set
         seed: Any = self._states["numpy"][0][0]  # if nothing was drawn since
         if self._states["numpy"] == _state(np.random.RandomState(seed)):
@@ -38,21 +38,21 @@ class SharedGenerators:
 
 
 def _states() -> dict[str, State]:
-    *words, used = random.getstate()[1]
-    return {"numpy": _state(np.random), "random": (words, used)}
+    *words, position = random.getstate()[1]
+    return {"numpy": _state(np.random), "random": (words, position)}
 
 
 def _state(generator: Any) -> State:
-    _, words, used, *_ = generator.get_state()
-    return words.tolist(), used
+    _, words, position, *_ = generator.get_state()
+    return words.tolist(), position
 
 
-def _follows(state: State, before: State) -> bool:
+def _follows(state: State, origin: State) -> bool:
     """Whether one state is reached from another by drawing numbers."""
     generator: Any = np.random.RandomState()
-    generator.set_state(("MT19937", before[0], _WORDS))
+    generator.set_state(("MT19937", origin[0], _WORDS))
     for count in range(_STATES):
         if _state(generator)[0] == state[0]:
-            return count > 0 or state[1] >= before[1]
+            return count > 0 or state[1] >= origin[1]
         generator.bytes(4 * _WORDS)
     return False

@@ -48,14 +48,14 @@ def labelled(node: Node, ports: list[str]) -> bool:
     )
 
 
-def size(node: Node, pinned: int = 0) -> tuple[int, int]:
+def size(node: Node, pins: int = 0) -> tuple[int, int]:
     """Width and height in px at which PathView draws a node, with the names of its ports."""
-    width = max(80, 6 * len(node.name) + 20, 5 * len(node.type) + 20, 160 if pinned else 0)
+    width = max(80, 6 * len(node.name) + 20, 5 * len(node.type) + 20, 160 if pins else 0)
     for ports in (node.inputs, node.outputs):
         if labelled(node, ports):  # beside the ports in PathView, inside the block in our page
             width += _up(8 + 4 * max(map(len, ports)))
     height = max(
-        40 + (7 + 24 * pinned if pinned else 0), _PORT * max(len(node.inputs), len(node.outputs), 1)
+        40 + (7 + 24 * pins if pins else 0), _PORT * max(len(node.inputs), len(node.outputs), 1)
     )
     return _up(width), _up(height)
 
@@ -70,26 +70,26 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]], page: float = PAGE) -> L
     sinks = {i for i, n in enumerate(nodes) if not n.outputs and not (loop and i == interface)}
     inner = [i for i in range(len(nodes)) if i not in sinks]
     edges = {(source, target) for source, target in wires if target not in sinks}
-    observed = {w.source for w in graph.wires if w.target in sinks}
+    probes = {w.source for w in graph.wires if w.target in sinks}
     cut = {e for e in edges if e[0] == e[1] or e[1] == interface}
     loops: set[int] = set()
     while components := _loops(inner, edges - cut):
         for component in components:
             loops |= component
-            hub = _hub(component, edges, nodes, observed)
+            hub = _hub(component, edges, nodes, probes)
             cut |= {(hub, i) for i in component} & edges
     chains = _feedback(nodes, edges, cut, loops)
-    turned = {i for chain in chains for i in chain}
+    mirror = {i for chain in chains for i in chain}
 
     layer = _layers(
-        [i for i in inner if i not in turned], {e for e in edges - cut if not turned & set(e)}
+        [i for i in inner if i not in mirror], {e for e in edges - cut if not mirror & set(e)}
     )
     last = max(layer.values(), default=-1)
     for i in sinks:
         layer[i] = last + 1
     for i in inner:
         # align a block that only feeds a scope with the other blocks that feed scopes
-        if i not in turned and i in observed and not any(i in e for e in edges):
+        if i not in mirror and i in probes and not any(i in e for e in edges):
             layer[i] = max(last, 0)
     bands = _bands(graph, sizes, layer, cut, sinks, page)
     x = {i: at for band in bands for i, at in _columns(graph, sizes, band, cut).items()}
@@ -109,7 +109,7 @@ def arrange(graph: Graph, sizes: list[tuple[int, int]], page: float = PAGE) -> L
         for chain in [c for c in chains if band is bands[-1] or _goals(graph, c) & centres.keys()]:
             _place_turned(graph, sizes, chain, floor, x, centres)
             chains.remove(chain)
-    return Layout([centres[i] for i in range(len(nodes))], turned)
+    return Layout([centres[i] for i in range(len(nodes))], mirror)
 
 
 def bounds(centres: Mapping[int, tuple[int, int]], sizes: Sequence[tuple[int, int]]) -> Box:
@@ -164,31 +164,31 @@ def _bands(
 
 def _loops(nodes: Iterable[int], edges: Collection[Edge]) -> list[set[int]]:
     """Groups of nodes on common loops, from what each of them reaches (Warshall)."""
-    reached = {i: {b for a, b in edges if a == i} for i in nodes}
-    for middle, further in reached.items():
-        for after in reached.values():
-            if middle in after:
-                after |= further
-    groups = {frozenset(j for j in reached[i] if i in reached[j]) for i in reached}
+    reach = {i: {b for a, b in edges if a == i} for i in nodes}
+    for middle, beyond_middle in reach.items():
+        for targets in reach.values():
+            if middle in targets:
+                targets |= beyond_middle
+    groups = {frozenset(j for j in reach[i] if i in reach[j]) for i in reach}
     return [set(group) for group in sorted(map(sorted, groups)) if group]
 
 
-def _hub(loop: set[int], edges: Collection[Edge], nodes: list[Node], observed: set[int]) -> int:
+def _hub(loop: set[int], edges: Collection[Edge], nodes: list[Node], probes: set[int]) -> int:
     """The node after which a loop is opened: the plant, or else the last block before a scope."""
-    inside = [(a, b) for a, b in edges if a in loop and b in loop]
+    links = [(a, b) for a, b in edges if a in loop and b in loop]
     entries = {b for a, b in edges if b in loop and a not in loop}
     if not entries:  # an isolated loop starts at its summing junction
-        entries = {max(sorted(loop), key=lambda i: sum(b == i for _, b in inside))}
+        entries = {max(sorted(loop), key=lambda i: sum(b == i for _, b in links))}
     depth = dict.fromkeys(entries, 0)
     todo = sorted(entries)
     for a in todo:
-        for b in sorted(b for s, b in inside if s == a and b not in depth):
+        for b in sorted(b for s, b in links if s == a and b not in depth):
             depth[b] = depth[a] + 1
             todo.append(b)
 
     def rank(i: int) -> tuple:
         outputs = len(nodes[i].outputs)
-        return outputs if outputs >= _BIG else 0, i in observed, depth[i], -i
+        return outputs if outputs >= _BIG else 0, i in probes, depth[i], -i
 
     return max(loop, key=rank)
 
@@ -197,25 +197,25 @@ def _feedback(
     nodes: list[Node], edges: Collection[Edge], cut: Collection[Edge], loops: set[int]
 ) -> list[list[int]]:
     """Chains of blocks on feedback paths, each fed by one block, starting after an opened loop."""
-    before = defaultdict(list)
+    sources = defaultdict(list)
     for a, b in edges:
-        before[b].append(a)
+        sources[b].append(a)
     openers = {a for a, _ in cut}
-    fed = {
-        i: before[i][0]
+    feeds = {
+        i: sources[i][0]
         for i in sorted(loops - openers)
-        if len(nodes[i].inputs) <= 2 and len(before[i]) == 1
+        if len(nodes[i].inputs) <= 2 and len(sources[i]) == 1
     }
     chains: list[list[int]] = []
-    todo = [i for i, source in fed.items() if (source, i) in cut]
+    todo = [i for i, source in feeds.items() if (source, i) in cut]
     for i in todo:
         # a second branch is a separate chain
-        chain = next((c for c in chains if c[-1] == fed[i]), None)
+        chain = next((c for c in chains if c[-1] == feeds[i]), None)
         if chain:
             chain.append(i)
         else:
             chains.append([i])
-        todo += [j for j, source in fed.items() if source == i]
+        todo += [j for j, source in feeds.items() if source == i]
     return chains
 
 
@@ -223,18 +223,18 @@ def _layers(nodes: list[int], edges: Collection[Edge]) -> dict[int, int]:
     """Column of each node: the longest path to it; a node without inputs is before its target."""
     layer = dict.fromkeys(nodes, 0)
     for _ in nodes:
-        moved = False
+        changes = False
         for a, b in edges:
             if layer[b] <= layer[a]:
                 layer[b] = layer[a] + 1
-                moved = True
-        if not moved:
+                changes = True
+        if not changes:
             break
     targets = {b for _, b in edges}
     for i in nodes:
-        after = [layer[b] for a, b in edges if a == i]
-        if i not in targets and after:
-            layer[i] = min(after) - 1
+        columns = [layer[b] for a, b in edges if a == i]
+        if i not in targets and columns:
+            layer[i] = min(columns) - 1
     return layer
 
 
@@ -264,34 +264,34 @@ def _rows(
         if w.source in layer and w.target in layer and (w.source, w.target) not in cut
     ]
     pulls: dict[int, list[tuple[int, float]]] = defaultdict(list)
-    chained = {i for w in wires if w.target not in sinks for i in (w.source, w.target)}
+    links = {i for w in wires if w.target not in sinks for i in (w.source, w.target)}
     for w in wires:
         # offset of the target's centre from the source's for a straight wire
         shift = port_offset(w.output, len(graph.nodes[w.source].outputs)) - port_offset(
             w.input, len(graph.nodes[w.target].inputs)
         )
         pulls[w.target].append((w.source, shift))
-        if w.target not in sinks or w.source not in chained:  # a scope follows its sources
+        if w.target not in sinks or w.source not in links:  # a scope follows its sources
             pulls[w.source].append((w.target, -shift))
     for sweep in range(_SWEEPS + 1):
         forward = sweep % 2 == 0
         for number in sorted(columns, reverse=not forward):
-            wished = []
+            wishes = []
             for i in columns[number]:
                 sides = [y[j] + s for j, s in pulls[i] if (layer[j] < layer[i]) == forward]
                 # in the last sweep prefer one straight wire to two that are nearly straight
                 middle = mean if sweep < _SWEEPS else median_low
-                wished.append((middle(sides) if sides else y[i], i))
-            wished.sort(key=None if sweep < _SWEEPS else lambda w: y[w[1]])
-            y.update(_spread(wished, heights))
+                wishes.append((middle(sides) if sides else y[i], i))
+            wishes.sort(key=None if sweep < _SWEEPS else lambda w: y[w[1]])
+            y.update(_spread(wishes, heights))
     return y
 
 
-def _spread(wished: list[tuple[float, int]], heights: list[int]) -> dict[int, float]:
+def _spread(wishes: list[tuple[float, int]], heights: list[int]) -> dict[int, float]:
     """Heights close to the wished ones that keep the blocks of a column in this order."""
     # groups of touching blocks, each at the mean of its blocks' wishes
     groups: list[tuple[list[int], list[float], float]] = []  # blocks, offsets, sum of wishes
-    for wish, i in wished:
+    for wish, i in wishes:
         group = ([i], [0.0], wish)
         while groups:
             blocks, offsets, total = groups[-1]
@@ -320,20 +320,20 @@ def _columns(
     """Horizontal centre of each node, with room for the wires that turn between columns."""
     x: dict[int, int] = {}
     right = 0.0
-    before = None
+    previous = None
     for number in sorted(set(layer.values())):
         half = max(sizes[i][0] for i in layer if layer[i] == number) / 2
         turning = {
             (w.source, w.output)
             for w in graph.wires
             if (layer.get(w.target) == number and w.source in layer)
-            or ((w.source, w.target) in cut and layer.get(w.source) == before)
+            or ((w.source, w.target) in cut and layer.get(w.source) == previous)
         }
-        if before is not None:
+        if previous is not None:
             right += _GAP + GRID * min(len(turning), 10)
         x.update({i: _snap(right + half) for i in layer if layer[i] == number})
         right += 2 * half
-        before = number
+        previous = number
     return x
 
 
@@ -355,10 +355,10 @@ def _place_turned(
     """Put the blocks of a feedback path below the others, from right to left."""
     from_x = x.get(next(w.source for w in graph.wires if w.target == chain[0]), 0)
     to_x = min((x[i] for i in _goals(graph, chain) & centres.keys()), default=from_x)
-    needed = sum(sizes[i][0] + _GAP for i in chain)
-    if from_x - to_x < needed:
+    length = sum(sizes[i][0] + _GAP for i in chain)
+    if from_x - to_x < length:
         middle = (from_x + to_x) / 2
-        from_x, to_x = round(middle + needed / 2), round(middle - needed / 2)
+        from_x, to_x = round(middle + length / 2), round(middle - length / 2)
     for k, i in enumerate(chain, 1):
         x[i] = _snap(from_x + (to_x - from_x) * k / (len(chain) + 1))
         y = _snap(floor + _ROW + sizes[i][1] / 2)

@@ -18,12 +18,12 @@ _ADDRESS = re.compile(r"(https?://|mailto:)[^\s\"']*", re.IGNORECASE)
 
 def refuse_markup(content: Json, path: Path) -> None:
     """Refuse a name with HTML beside a formula, and a note with a link to anything but the web."""
-    named, addresses = [*(content.get("events") or [])], []
+    parts, addresses = [*(content.get("events") or [])], []
     for graph in graphs(content):
-        named += [*(graph.get("nodes") or []), *(graph.get("events") or [])]
+        parts += [*(graph.get("nodes") or []), *(graph.get("events") or [])]
         for note in graph.get("annotations") or []:
             addresses += _LINK.findall(str(note.get("content", "")))
-    for part in named:
+    for part in parts:
         ports = [*part.get("inputs", []), *part.get("outputs", [])]
         for text in [part["name"], *(port.get("name") or "" for port in ports)]:
             if _FORMULA.search(text) and _TAG.search(_FORMULA.sub("", text)):

@@ -38,11 +38,11 @@ _CATEGORIES = {  # folder of this package: category and shape in PathView's bloc
 
 def policy(nonce: str = "") -> str:
     """Content-Security-Policy of all answers; ``nonce`` marks a page's own inline scripts."""
-    own = f" 'nonce-{nonce}'" if nonce else ""
+    source = f" 'nonce-{nonce}'" if nonce else ""
     return "; ".join(
         [
             "default-src 'none'",
-            f"script-src 'self'{own}",
+            f"script-src 'self'{source}",
             "worker-src 'self'",
             "connect-src 'self'",
             "font-src 'self' data:",
@@ -56,11 +56,11 @@ def policy(nonce: str = "") -> str:
     )
 
 
-def rendered(page: str, required: list[Toolbox]) -> tuple[str, str]:
+def rendered(page: str, toolboxes: list[Toolbox]) -> tuple[str, str]:
     """A page of PathView with toolboxes registered, and the nonce of its scripts."""
     nonce = secrets.token_urlsafe(16)
     page = re.sub(r"<script(?=[\s>])", f'<script nonce="{nonce}"', page)
-    script = f'<script nonce="{nonce}">{registration(required)}</script>'
+    script = f'<script nonce="{nonce}">{registration(toolboxes)}</script>'
     style = f"<style>{_STYLE.read_text(encoding='utf-8')}</style>"
     return page.replace("<head>", f"<head>{style}{script}", 1), nonce
 

@@ -107,12 +107,12 @@ def fly_model(pipe: Connection, job: Job) -> None:
 
     end = "has ended"
     try:
-        built = _built(job)
-        blocks = [built[name] for name in job.blocks]
-        _seed([built[name] for name in job.unseeded], job.seeded)
+        variables = _built(job)
+        blocks = [variables[name] for name in job.blocks]
+        _seed([variables[name] for name in job.unseeded], job.seeded)
         pipe.send("")
-        with each_sample(built["sim"], take):
-            built["sim"].run(**job.run)
+        with each_sample(variables["sim"], take):
+            variables["sim"].run(**job.run)
     except BaseException as error:
         end = f"fails: {type(error).__name__}: {error}"
     pipe.send(rows)
@@ -165,8 +165,8 @@ def prove(simulation: Simulation, blocks: Mapping[str, Block], job: Job, limit: 
         process.start()
     theirs.close()
     try:
-        if failed := _received(pipe, job.path):
-            reason = failed.removeprefix("fails: ")
+        if failure := _received(pipe, job.path):
+            reason = failure.removeprefix("fails: ")
             raise DiagramError(f"the model cannot be built: {reason}", path=job.path)
         _seed([blocks[name] for name in job.unseeded], job.seeded)
         return _compared(simulation, blocks, job, pipe, time.process_time() + limit)
@@ -180,30 +180,30 @@ def _compared(
     simulation: Simulation, blocks: Mapping[str, Block], job: Job, pipe: Connection, end: float
 ) -> Proof:
     rows = _rows(pipe, job.path)
-    reached, steps, complete = 0.0, -1, True
+    time_reached, steps, complete = 0.0, -1, True
 
     def take(t: float) -> None:
-        nonlocal reached, steps
+        nonlocal time_reached, steps
         mine, theirs = _row(t, blocks.values()), next(rows)
         if isinstance(theirs, str):
             raise Difference(t, "continues", theirs)
         if mine != theirs:
             _part(blocks, mine, theirs)
-        reached, steps = t, steps + 1
+        time_reached, steps = t, steps + 1
         if time.process_time() > end:
             raise _Ended
 
     try:
         with each_sample(simulation, take):
             Simulation.run(simulation, **job.run)
-        if not isinstance(rest := next(rows), str):
-            raise Difference(rest[0], "has ended", "continues")
-        if rest.startswith("fails"):
-            raise Difference(reached, "has ended", rest)
+        if not isinstance(last := next(rows), str):
+            raise Difference(last[0], "has ended", "continues")
+        if last.startswith("fails"):
+            raise Difference(time_reached, "has ended", last)
     except _Ended:
         complete = False
     signals = sum(len(block.outputs) for block in blocks.values())
-    return Proof(steps, signals, reached, complete)
+    return Proof(steps, signals, time_reached, complete)
 
 
 def _part(blocks: Mapping[str, Block], mine: Row, theirs: Row) -> None:
@@ -255,15 +255,15 @@ def _row(t: float, blocks: Iterable[Block]) -> Row:
     return float(t), tuple(block.outputs.to_array().tobytes() for block in blocks)
 
 
-def _seed(blocks: Sequence[Block], seeded: Collection[str]) -> None:
+def _seed(blocks: Sequence[Block], modules: Collection[str]) -> None:
     """Give blocks without a seed the same random numbers on both sides.
 
     The generators of modules, too, unless the script has seeded them.
     """
     seed_blocks(blocks, 0)
-    if "numpy" not in seeded:
+    if "numpy" not in modules:
         np.random.seed(0)  # noqa: NPY002
-    if "random" not in seeded:
+    if "random" not in modules:
         random.seed(0)
     for block in filter(draws_from_shared, blocks):
         block.sample(0.0, 0.0)  # replaces the numbers drawn when it was built

@@ -126,19 +126,19 @@ def _graph(graph: Graph, prefix: str, old: Existing) -> tuple[dict[str, Any], Bo
     ids = [prefix + plain(n.name) for n in graph.nodes]
     nodes = []
     for i, node in enumerate(graph.nodes):
-        turned = 2 if i in layout.turned else 0
-        rotation = (olds[i].get("params") or {}).get("_rotation", 0) if olds[i] else turned
+        half_turn = 2 if i in layout.turned else 0
+        rotation = (olds[i].get("params") or {}).get("_rotation", 0) if olds[i] else half_turn
         nodes.append(_node(node, ids[i], centres[i], rotation, pins[i], olds[i]))
     # PathView routes feedback wires around the blocks, mostly above them
     first = min((y + sizes[i][1] / 2 for i, (_, y) in enumerate(centres)), default=0.0)
-    above = {
+    feedback = {
         (w.source, w.output)
         for w in graph.wires
         if centres[w.source][0] >= centres[w.target][0]
         and centres[w.target][1] - sizes[w.target][1] / 2 < first
     }
     box = bounds(dict(enumerate(centres)), sizes)
-    box = box._replace(top=box.top - GRID * len(above))
+    box = box._replace(top=box.top - GRID * len(feedback))
     connections = [
         {
             "id": f"{ids[w.source]}-{w.output}-to-{ids[w.target]}-{w.input}",
@@ -178,7 +178,7 @@ def _kept_centres(
 
 
 def _node(
-    node: Node, name: str, centre: tuple[int, int], rotation: int, pinned: list[str], old: Existing
+    node: Node, name: str, centre: tuple[int, int], rotation: int, pins: list[str], old: Existing
 ) -> dict[str, Any]:
     params: dict[str, Any] = dict(node.params)
     if rotation:
@@ -195,15 +195,15 @@ def _node(
         "outputs": _ports(name, "output", node.outputs),
         "params": params,
     }
-    if pinned:
-        out["pinnedParams"] = pinned
+    if pins:
+        out["pinnedParams"] = pins
     if node.graph is not None:
-        inside = old.get("graph") or {}
-        graph, box = _graph(node.graph, f"{name}.", inside)
+        level = old.get("graph") or {}
+        graph, box = _graph(node.graph, f"{name}.", level)
         out["graph"] = {
             **graph,
             "annotations": [],
-            "events": _events(node.graph.events, f"{name}.", box, inside.get("events") or []),
+            "events": _events(node.graph.events, f"{name}.", box, level.get("events") or []),
         }
     return out
 
@@ -249,10 +249,10 @@ def _events(
 
 def _annotations(docstring: str, box: Box, old: Sequence[Existing]) -> list[dict[str, Any]]:
     """The script's docstring, above the diagram, and the notes of an existing model."""
-    others = [dict(a) for a in old if a.get("id") != NOTE]
+    notes = [dict(a) for a in old if a.get("id") != NOTE]
     content = _markdown(docstring)
     if not content:
-        return others
+        return notes
     previous = next((a for a in old if a.get("id") == NOTE), {})
     span = box.right - box.left
     width = GRID * round(min(max(span, _NOTE_WIDTH[0]), _NOTE_WIDTH[1]) / GRID)
@@ -263,7 +263,7 @@ def _annotations(docstring: str, box: Box, old: Sequence[Existing]) -> list[dict
     x, y = GRID * round(box.left / GRID), GRID * round((box.top - height) / GRID) - 3 * GRID
     note = {"position": {"x": x, "y": y}, "content": content, "width": width, "height": height}
     note.update({k: previous[k] for k in ("position", "width", "height") if k in previous})
-    return [{"id": NOTE, **note}, *others]
+    return [{"id": NOTE, **note}, *notes]
 
 
 def _markdown(docstring: str) -> str:
@@ -272,9 +272,9 @@ def _markdown(docstring: str) -> str:
     paragraphs = [p for p in map(_paragraph, re.split(r"\n\s*\n", docstring)) if p]
     if not paragraphs:
         return ""
-    head, colon, rest = paragraphs[0].lstrip("# ").rstrip(".").partition(": ")
+    head, colon, tail = paragraphs[0].lstrip("# ").rstrip(".").partition(": ")
     return "\n\n".join(
-        [f"# {head}", *([f"{rest[0].upper()}{rest[1:]}."] if colon else []), *paragraphs[1:]]
+        [f"# {head}", *([f"{tail[0].upper()}{tail[1:]}."] if colon else []), *paragraphs[1:]]
     )
 
 

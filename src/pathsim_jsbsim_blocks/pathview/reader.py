@@ -129,8 +129,8 @@ class _Reader:
             return node
         if kind is Subsystem:
             fieldless(self.script, block)
-            inside = [block.interface, *block.blocks]
-            node.graph = self._graph(inside, block.connections, own_events(block), part)
+            blocks = [block.interface, *block.blocks]
+            node.graph = self._graph(blocks, block.connections, own_events(block), part)
             # the two sides of the interface have the same ports
             interface = node.graph.nodes[0]
             for mine, theirs in (("inputs", "outputs"), ("outputs", "inputs")):
@@ -150,9 +150,9 @@ class _Reader:
         kind = _built_in(type(block), self.registry["blocks"])
         if kind.__module__ == "pathsim.blocks.math" and kind.__name__ in _EXPRESSIONS:
             return Function
-        supported = kind.__name__ in self.registry["blocks"] or kind.__module__[:8] != "pathsim."
+        in_pathview = kind.__name__ in self.registry["blocks"] or kind.__module__[:8] != "pathsim."
         stateless = "initial_value" not in _parameters(kind) and np.any(_states(block)[0])
-        return StateSpace if flies_matrices(block) and (stateless or not supported) else kind
+        return StateSpace if flies_matrices(block) and (stateless or not in_pathview) else kind
 
     def _known(self, block: Block, kind: type[Block]) -> list[str]:
         """Parameter names of a block's class; refuse a class that PathView does not have."""
@@ -204,11 +204,11 @@ class _Reader:
 
     def _construction(self, part: Part, names: Sequence[str]) -> None:
         """The values with which a part is to be built, by parameter name."""
-        built, parameters = self.script.construction(part.value), _parameters(part.kind)
-        named, values = frozenset[str](), dict[str, Any]()
-        if built and built.arguments is not None and part.kind is type(part.value):
-            named, values = built.arguments, built.values
-        for name in named:
+        construction, parameters = self.script.construction(part.value), _parameters(part.kind)
+        arguments, values = frozenset[str](), dict[str, Any]()
+        if construction and construction.arguments is not None and part.kind is type(part.value):
+            arguments, values = construction.arguments, construction.values
+        for name in arguments:
             if name not in names or name.startswith("_"):
                 reason = f"PathView cannot represent parameter {name!r} of {part.kind.__name__}"
                 self._refuse(part.value, reason)
@@ -219,13 +219,13 @@ class _Reader:
             return
         for name in names:
             default = parameters[name].default if name in parameters else ...
-            value, before = values.get(name, (default, default))
-            live = editable(getattr(part.value, name, before))
+            value, initial = values.get(name, (default, default))
+            live = editable(getattr(part.value, name, initial))
             if name == "initial_value":
                 live = _state(part.value, live)
-            if not same(live, editable(before)):  # changed since the part was built
+            if not same(live, editable(initial)):  # changed since the part was built
                 value = live
-            if name in named or not same(value, default):
+            if name in arguments or not same(value, default):
                 part.arguments[name] = value
 
     def _expression(self, part: Part, name: str, value: Any) -> str:
@@ -239,8 +239,8 @@ class _Reader:
         if value is inspect.Parameter.empty:
             self._refuse(part.value, f"{what} cannot be read from the block")
         try:
-            written = node is not None and self.code.kept(node, value)
-            return written or self.code.parameter(value, name)
+            source = node is not None and self.code.kept(node, value)
+            return source or self.code.parameter(value, name)
         except Unwritable as unwritable:
             where = node if hasattr(node, "lineno") else None
             self._refuse(part.value, f"{what}: {unwritable}", where)
@@ -257,8 +257,8 @@ class _Reader:
             return ""
         integral = isinstance(value, float) and value.is_integer()  # `fly` turns 60 into 60.0
         for live in (value, int(value)) if integral else (value,):
-            if node is not None and (written := self.code.kept(node, live)):
-                return written
+            if node is not None and (text := self.code.kept(node, live)):
+                return text
         return repr(float(value))
 
     # names --------------------------------------------------------------------------------------
@@ -289,8 +289,8 @@ class _Reader:
             variables[f"__part_{id(part.value)}"] = part.variable
         for value in self.code.parts.values():
             if f"__part_{id(value)}" not in variables:
-                called = self._called(value)
-                self.refuse(f"a function refers to {called}, which is not in the simulation")
+                label = self._called(value)
+                self.refuse(f"a function refers to {label}, which is not in the simulation")
         return variables
 
     def _wish(self, part: Part, prefix: str) -> str:
@@ -306,16 +306,16 @@ class _Reader:
     def _original_name(self, part: Part) -> str:
         """The label of a part without a module variable: the target of the call that built it."""
         target = self.script.target(part.value)
-        held = self.script.namespace.get(target)
-        return "" if isinstance(held, (list, tuple, dict)) else target
+        variable = self.script.namespace.get(target)
+        return "" if isinstance(variable, (list, tuple, dict)) else target
 
     def _toolboxes(self) -> list[Toolbox]:
         """The toolboxes in use, ordered so that every class name resolves to the right one."""
         owners = {name: toolbox for name, (_, toolbox) in self.types.items()}
         toolboxes = sorted({t for t in owners.values() if t}, key=lambda t: t.package)
         for order in itertools.permutations(toolboxes):
-            resolved = {name: t for t in order for name in owners if t.block(name)}
-            if all(resolved.get(name) == toolbox for name, toolbox in owners.items()):
+            winners = {name: t for t in order for name in owners if t.block(name)}
+            if all(winners.get(name) == toolbox for name, toolbox in owners.items()):
                 return list(order)
         names = " and ".join(t.package for t in toolboxes)
         self.refuse(f"blocks of the same class name in {names} hide each other; {_BY_NAME}")
@@ -329,13 +329,13 @@ _SYNCHRONOUS = (
 )
 
 
-def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[str]:
+def _port_names(block: Block, kind: type[Block], side: str, wires: int) -> list[str]:
     """Names of a block's ports: its labels, names derived from its parameters, or ``in 0``."""
     register = block.inputs if side == "input" else block.outputs
     labels = kind.info()[f"{side}_port_labels"]
-    n = wired
+    n = wires
     if kind not in (Interface, Subsystem):
-        n = max(len(register if labels is None else labels), wired)
+        n = max(len(register if labels is None else labels), wires)
     # PathView shows eight characters: the last part of a path is the most telling
     names = {
         i: name.rpartition("/")[2] or name
@@ -344,10 +344,10 @@ def _port_names(block: Block, kind: type[Block], side: str, wired: int) -> list[
     }
     names.update(enumerate(getattr(block, "drawn_ports", {}).get(side, ())))
     if side == "input":
-        drawn = getattr(block, "labels", None) or getattr(block, "operations", None) or ()
+        symbols = getattr(block, "labels", None) or getattr(block, "operations", None) or ()
         if kind.__name__ in ("Scope", "Spectrum", "Adder", "Divider"):
-            n = max(n, len(drawn))
-            names.update(enumerate(map(str, drawn)))
+            n = max(n, len(symbols))
+            names.update(enumerate(map(str, symbols)))
     n = max([n, *(i + 1 for i in names)])
     return [names.get(i, f"{side[:-3]} {i}") for i in range(n)]
 
@@ -373,12 +373,12 @@ def _built_in(kind: type[Block], core: Collection[str]) -> type[Block]:
         if of_pathsim and (kind.__name__ in core or kind.__bases__[0].__name__ not in core):
             break  # PathView's own, or not an old name of one such as Step
         base = kind.__bases__[0]
-        own = vars(kind).keys() - {"__init__", *vars(type("", (), {}))}
+        additions = vars(kind).keys() - {"__init__", *vars(type("", (), {}))}
         if (
             not issubclass(base, Block)
             or base is Block
-            or any(hasattr(base, n) for n in own)
-            or own & _parameters(base).keys()
+            or any(hasattr(base, n) for n in additions)
+            or additions & _parameters(base).keys()
             or (not of_pathsim and toolbox_of(kind))
         ):
             break

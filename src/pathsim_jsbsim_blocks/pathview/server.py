@@ -128,8 +128,8 @@ class Server:
         def editor(html: Path) -> Any:
             name = unquote(request.args.get("model", "").removeprefix("/model/"))
             model = self._models.get(name, {})
-            required = required_toolboxes(model, Path(name))
-            text, nonce = page.rendered(html.read_text(encoding="utf-8"), required)
+            toolboxes = required_toolboxes(model, Path(name))
+            text, nonce = page.rendered(html.read_text(encoding="utf-8"), toolboxes)
             response = make_response(text)
             response.headers["Content-Security-Policy"] = page.policy(nonce)
             response.cache_control.no_store = True  # a nonce is valid for one response

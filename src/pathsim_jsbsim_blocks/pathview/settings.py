@@ -37,21 +37,21 @@ def live_settings(script: FirstRun) -> dict[str, tuple[Any, ast.expr | None]]:
 
     PathView's defaults differ from PathSim's.
     """
-    sim, begun = script.simulation, script.run_start
+    sim, run = script.simulation, script.run_start
     # a recorder of diagnostics changes no flight
     fieldless(script, sim, *_PARAMETERS.values(), "Solver", "solver_kwargs", "log", "diagnostics")
-    built = script.construction(sim)
-    arguments = begun.arguments if begun else {"duration": script.namespace.get("DURATION")}
+    construction = script.construction(sim)
+    arguments = run.arguments if run else {"duration": script.namespace.get("DURATION")}
     if sim.engine.is_adaptive and arguments.get("adaptive") is False:
         script.refuse(
             "run(adaptive=False) with an adaptive solver; PathView always adapts the step",
             script.run_call,
         )
     nodes: dict[str, ast.expr] = {}
-    if built and built.arguments is not None:
-        nodes = named_arguments(built.node, list(inspect.signature(Simulation).parameters))
+    if construction and construction.arguments is not None:
+        nodes = named_arguments(construction.node, list(inspect.signature(Simulation).parameters))
     nodes |= script.run_arguments()
-    for name in ast.walk(script.tree) if begun is None else ():
+    for name in ast.walk(script.tree) if run is None else ():
         if isinstance(name, ast.Name) and name.id == "DURATION":
             nodes["duration"] = ast.copy_location(ast.Name(name.id, ast.Load()), name)
     duration = arguments.get("duration")

@@ -59,8 +59,8 @@ def with_parts(content: Json, part: Callable[[Json], Json]) -> Json:
 
     def node(old: Json) -> Json:
         new = dict(part(old))
-        inside = new.pop("graph", None)
-        return {**new, "graph": graph(inside)} if inside else new
+        inner = new.pop("graph", None)
+        return {**new, "graph": graph(inner)} if inner else new
 
     def events(old: Json) -> list[Json]:
         return [part(event) for event in old.get("events") or []]
@@ -107,8 +107,8 @@ def _check_depth(content: Any, path: Path) -> None:
 def _check(value: Any, spec: Any, place: str, path: Path) -> None:
     kind = spec if isinstance(spec, type) else type(spec)
     if not _is(value, kind):
-        expected = _KINDS.get(kind, "an object")
-        _refuse(f"{place} must be {expected}, not {shortened(repr(value))}", path)
+        kind_name = _KINDS.get(kind, "an object")
+        _refuse(f"{place} must be {kind_name}, not {shortened(repr(value))}", path)
     if isinstance(spec, list):
         for i, item in enumerate(value):
             _check(item, spec[0], f"{place}[{i}]", path)

@@ -35,8 +35,8 @@ def _definitions(path: str) -> tuple[str, list[Any]]:
 
 def _the_one(source: str, definitions: list[Any]) -> SourceNode | None:
     """The definition; None if there are several that differ."""
-    alike = len({ast.dump(node) for node in definitions}) == 1
-    return SourceNode(definitions[0], source) if alike else None
+    unique = len({ast.dump(node) for node in definitions}) == 1
+    return SourceNode(definitions[0], source) if unique else None
 
 
 def of_function(function: types.FunctionType) -> SourceNode | None:
@@ -58,9 +58,11 @@ def of_function(function: types.FunctionType) -> SourceNode | None:
 def of_class(name: str, path: str, lines: list[int]) -> SourceNode | None:
     """The definition of a class; ``lines`` are those of its methods, to tell namesakes apart."""
     source, definitions = _definitions(path)
-    named = [n for n in definitions if isinstance(n, ast.ClassDef) and n.name == name]
-    around = [n for n in named if any(n.lineno <= line <= (n.end_lineno or 0) for line in lines)]
-    return _the_one(source, around or named)
+    namesakes = [n for n in definitions if isinstance(n, ast.ClassDef) and n.name == name]
+    matches = [
+        n for n in namesakes if any(n.lineno <= line <= (n.end_lineno or 0) for line in lines)
+    ]
+    return _the_one(source, matches or namesakes)
 
 
 def _span(code: types.CodeType) -> tuple[int, ...]:
@@ -87,12 +89,12 @@ def first_line(part: SourceNode) -> int:
 def with_comments(part: SourceNode, text: str) -> str:
     """The text of a statement with the comments above and beside it."""
     lines, node = part.source.split("\n"), part.node
-    before = lines[node.lineno - 1].encode()[: node.col_offset].decode()
-    after = lines[node.end_lineno - 1].encode()[node.end_col_offset :].decode()
-    if before.strip() or after.lstrip()[:1] not in ("", "#"):  # several statements in a line
+    head = lines[node.lineno - 1].encode()[: node.col_offset].decode()
+    tail = lines[node.end_lineno - 1].encode()[node.end_col_offset :].decode()
+    if head.strip() or tail.lstrip()[:1] not in ("", "#"):  # several statements in a line
         return text
-    above = lines[first_line(part) - 1 : _first_line(node) - 1]
-    return "".join(f"{line.strip()}\n" for line in above) + text + after.rstrip()
+    comments = lines[first_line(part) - 1 : _first_line(node) - 1]
+    return "".join(f"{line.strip()}\n" for line in comments) + text + tail.rstrip()
 
 
 def text_of(part: SourceNode, new: Mapping[ast.AST, str] = {}, decorated: bool = False) -> str:
@@ -156,11 +158,11 @@ def _rebuilt(value: Any, new: Mapping[ast.AST, str], instead: Mapping[str, Any] 
 
 def _spans_lines(node: ast.AST) -> bool:
     """Whether a string in a node, other than a docstring, spans lines."""
-    documented = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+    definitions = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
     docstrings = {
         id(n.body[0].value)
         for n in ast.walk(node)
-        if isinstance(n, documented) and isinstance(n.body[0], ast.Expr)
+        if isinstance(n, definitions) and isinstance(n.body[0], ast.Expr)
     }
     return any(
         n.lineno != n.end_lineno and id(n) not in docstrings

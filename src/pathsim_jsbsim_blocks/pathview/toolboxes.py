@@ -102,17 +102,17 @@ def why_not_import(toolbox: Toolbox, trusted: Sequence[Toolbox] = ()) -> str:
     """
     if toolbox in (OURS, FLIGHT, *trusted):
         return ""
-    required = f"requires the toolbox {toolbox.package!r} (module {toolbox.import_path})"
+    what = f"requires the toolbox {toolbox.package!r} (module {toolbox.import_path})"
     if toolbox.id not in {t.id for t in (*_KNOWN, *trusted)}:
         return (
-            f"{required}, which is not a known PathSim toolbox, and importing it runs its code; "
+            f"{what}, which is not a known PathSim toolbox, and importing it runs its code; "
             f"if you trust it: --trust-toolbox {toolbox.package}"
         )
     if any(part.startswith("_") for part in toolbox.import_path.split(".")):
-        return f"{required}, which is a private module"
+        return f"{what}, which is a private module"
     if not toolbox.belongs and not toolbox.missing:
         return (
-            f"{required}, but that module does not belong to that package; if you trust it: "
+            f"{what}, but that module does not belong to that package; if you trust it: "
             f"--trust-toolbox {toolbox.package}:{toolbox.import_path}"
         )
     return ""
@@ -171,14 +171,14 @@ def registry_for(
     content: Json, path: Path, toolboxes: Sequence[str] = (), trust_toolboxes: Sequence[str] = ()
 ) -> Json:
     """The blocks that a model may use; the last of its own toolboxes to define a name wins."""
-    required = required_toolboxes(content, path)
-    named = [Toolbox.parse(t) for t in toolboxes]
-    trusted = [*named, *map(Toolbox.parse, trust_toolboxes)]
-    for toolbox in required:
-        if reason := why_not_import(toolbox, trusted):
+    requirements = required_toolboxes(content, path)
+    extra = [Toolbox.parse(t) for t in toolboxes]
+    trust = [*extra, *map(Toolbox.parse, trust_toolboxes)]
+    for toolbox in requirements:
+        if reason := why_not_import(toolbox, trust):
             raise DiagramError(reason, path=path)
-    others = [t for t in (FLIGHT, OURS, *named) if t not in required]
-    return with_toolboxes(core_registry(), [*others, *required])
+    defaults = [t for t in (FLIGHT, OURS, *extra) if t not in requirements]
+    return with_toolboxes(core_registry(), [*defaults, *requirements])
 
 
 def required_toolboxes(content: Json, path: Path) -> list[Toolbox]:

@@ -38,10 +38,10 @@ def printable(name: str) -> str:
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in name)
 
 
-def unique(wish: str, taken: Callable[[str], bool], mark: str = "_") -> str:
+def unique(wish: str, is_taken: Callable[[str], bool], mark: str = "_") -> str:
     """A name that is not taken: ``wish``, with a number appended if needed."""
-    numbered = (f"{wish}{mark}{i}" for i in itertools.count(2))
-    return next(name for name in itertools.chain([wish], numbered) if not taken(name))
+    candidates = (f"{wish}{mark}{i}" for i in itertools.count(2))
+    return next(name for name in itertools.chain([wish], candidates) if not is_taken(name))
 
 
 def without_clashes(
@@ -75,8 +75,8 @@ def without_clashes(
                 )
 
         def is_taken(name: str) -> bool:
-            own = _variables({**part, "name": name}, prefix)
-            return not plain(name) or bool(own & taken) or any(map(is_bound, own))
+            variables = _variables({**part, "name": name}, prefix)
+            return not plain(name) or bool(variables & taken) or any(map(is_bound, variables))
 
         if is_taken(part["name"]):
             wish = f"{part['name']} {kind}" if plain(part["name"]) else kind
@@ -89,8 +89,8 @@ def without_clashes(
         events = [renamed(e, "event", prefix) for e in graph["events"]]
         for i, node in enumerate(nodes):
             if node["type"] == "Subsystem" and "graph" in node:
-                inside = level(node["graph"], prefix_inside(node["name"], prefix))
-                nodes[i] = {**node, "graph": inside}
+                inner = level(node["graph"], prefix_inside(node["name"], prefix))
+                nodes[i] = {**node, "graph": inner}
         return {**graph, "nodes": nodes, "events": events}
 
     # a model's own events are beside its graph, a subsystem's events in its graph

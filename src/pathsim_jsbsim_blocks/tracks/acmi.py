@@ -53,12 +53,12 @@ def write_acmi(path: Path, tracks: Sequence[Track], start: datetime.datetime, ab
     with path.open("w", encoding="utf-8-sig", newline="\n") as file:
         file.write("FileType=text/acmi/tacview\nFileVersion=2.2\n")
         file.writelines(f"0,{name}={_escaped(text)}\n" for name, text in head.items())
-        now = None
+        present = None
         lines = (_lines(f"{n:x}", track) for n, track in enumerate(tracks, 1))
         for time, line in heapq.merge(*lines, key=lambda item: item[0]):
-            if time != now:
+            if time != present:
                 file.write(f"#{f'{time:.9f}'.rstrip('0').rstrip('.')}\n")
-                now = time
+                present = time
             file.write(f"{line}\n")
 
 
@@ -68,16 +68,16 @@ def _lines(identity: str, track: Track) -> Iterator[tuple[float, str]]:
         [track.lon, track.lat, track.h * FOOT, track.phi, track.theta, track.psi]
     )
     first = f",Type=Air+FixedWing,Name={_escaped(track.aircraft)},CallSign={_escaped(track.name)}"
-    written: dict[str, str] = {}
+    previous: dict[str, str] = {}
     rows = zip(*columns, strict=True) if columns else itertools.repeat(())
     for time, (lon, lat, alt, *angles), row in zip(
         track.time.tolist(), place.tolist(), rows, strict=False
     ):
         values = {name: f"{x:.6g}" for name, x in zip(names, row, strict=True) if math.isfinite(x)}
-        changed = "".join(f",{n}={x}" for n, x in values.items() if written.get(n) != x)
-        turned = "|".join(f"{x:.4f}" for x in angles)
-        yield time, f"{identity},T={lon:.9f}|{lat:.9f}|{alt:.4f}|{turned}{first}{changed}"
-        first, written = "", values
+        changes = "".join(f",{n}={x}" for n, x in values.items() if previous.get(n) != x)
+        attitude = "|".join(f"{x:.4f}" for x in angles)
+        yield time, f"{identity},T={lon:.9f}|{lat:.9f}|{alt:.4f}|{attitude}{first}{changes}"
+        first, previous = "", values
 
 
 def _columns(track: Track) -> tuple[list[str], list[list[float]]]:

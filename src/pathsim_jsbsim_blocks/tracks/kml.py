@@ -67,15 +67,15 @@ def _drawn(track: Track, size: float) -> Track:
 
 
 def _track(mark: ET.Element, track: Track, start: datetime.datetime, schema: str) -> None:
-    drawn = _child(mark, "gx:Track")
-    _child(drawn, "altitudeMode", "absolute")
+    line = _child(mark, "gx:Track")
+    _child(line, "altitudeMode", "absolute")
     for t in track.time.tolist():
-        _child(drawn, "when", instant(start, t))
+        _child(line, "when", instant(start, t))
     for place in _rows(track.lon, track.lat, track.h * FOOT):
-        _child(drawn, "gx:coord", "{:.9f} {:.9f} {:.3f}".format(*place))
+        _child(line, "gx:coord", "{:.9f} {:.9f} {:.3f}".format(*place))
     for turn in _rows(track.psi, -track.theta, -track.phi):
-        _child(drawn, "gx:angles", "{:.4f} {:.4f} {:.4f}".format(*turn))
-    data = _child(_child(drawn, "ExtendedData"), "SchemaData", schemaUrl=schema)
+        _child(line, "gx:angles", "{:.4f} {:.4f} {:.4f}".format(*turn))
+    data = _child(_child(line, "ExtendedData"), "SchemaData", schemaUrl=schema)
     for i, column in enumerate(track.signals.values()):
         array = _child(data, "gx:SimpleArrayData", name=f"signal-{i}")
         for value in column.tolist():

@@ -131,6 +131,6 @@ def tracks(recordings: list[Recording]) -> list[Track]:
     """Tracks of all aircraft that have flown; several of one model are numbered."""
     flown = [r for r in recordings if r.flown]
     models = [r.block.airframe.aircraft for r in flown]
-    numbered = [f"{model} {models[: i + 1].count(model)}" for i, model in enumerate(models)]
-    names = [n if models.count(m) > 1 else m for m, n in zip(models, numbered, strict=True)]
+    labels = [f"{model} {models[: i + 1].count(model)}" for i, model in enumerate(models)]
+    names = [n if models.count(m) > 1 else m for m, n in zip(models, labels, strict=True)]
     return [recording.track(name) for recording, name in zip(flown, names, strict=True)]

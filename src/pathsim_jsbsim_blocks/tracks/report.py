@@ -29,10 +29,10 @@ def write_report(path: Path, tracks: Sequence[Track], start: datetime.datetime, 
     from plotly.offline import get_plotlyjs
     from pymap3d import geodetic2enu
 
-    thinned = [track.at_most(_MOST) for track in tracks]
-    origin = thinned[0].lat[0], thinned[0].lon[0], thinned[0].h[0] * FOOT
-    places = [np.array(geodetic2enu(x.lat, x.lon, x.h * FOOT, *origin)) for x in thinned]
-    aircraft = [_aircraft(*both) for both in zip(thinned, places, strict=True)]
+    samples = [track.at_most(_MOST) for track in tracks]
+    origin = samples[0].lat[0], samples[0].lon[0], samples[0].h[0] * FOOT
+    places = [np.array(geodetic2enu(x.lat, x.lon, x.h * FOOT, *origin)) for x in samples]
+    aircraft = [_aircraft(*both) for both in zip(samples, places, strict=True)]
     head = {}
     for track in tracks:  # with one aircraft, its name is in the title
         kind = [track.aircraft] * (track.aircraft != track.name)
@@ -71,8 +71,8 @@ def _aircraft(track: Track, place: np.ndarray) -> dict[str, Any]:
             signals.append({"name": name, "unit": unit, "values": _packed(column)})
     columns = {name: getattr(track, name) for name in ("time", "theta", "phi", "psi")}
     columns |= dict(zip(("east", "north", "up"), place, strict=True))
-    packed = {name: _packed(column) for name, column in columns.items()}
-    return {"name": track.name, **packed, "signals": signals}
+    texts = {name: _packed(column) for name, column in columns.items()}
+    return {"name": track.name, **texts, "signals": signals}
 
 
 def _packed(column: Any) -> str:

@@ -111,13 +111,13 @@ class Track:
         for name, column in zip(fields, columns, strict=True):
             object.__setattr__(self, name, np.atleast_1d(column))
         signals = mapping("signals", self.signals)
-        rest = {label: _signal(label, column) for label, column in signals.items()}
-        object.__setattr__(self, "signals", rest)
-        for name, column in {**{n: getattr(self, n) for n in fields}, **rest}.items():
+        series = {label: _signal(label, column) for label, column in signals.items()}
+        object.__setattr__(self, "signals", series)
+        for name, column in {**{n: getattr(self, n) for n in fields}, **series}.items():
             if column.shape != self.time.shape or column.ndim != 1 or not column.size:
                 why = f"{name} has the shape {column.shape}, time has {self.time.shape}"
-                same = "all columns must have the same number of samples, at least 1"
-                refuse(name, column.shape, f"{why}; {same}")
+                rule = "all columns must have the same number of samples, at least 1"
+                refuse(name, column.shape, f"{why}; {rule}")
         if np.any(np.diff(self.time) <= 0):
             refuse("time", self.time, "time must increase")
         if np.max(np.abs(self.lat)) > 90:

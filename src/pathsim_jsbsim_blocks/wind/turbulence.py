@@ -132,8 +132,8 @@ def _interpolate(h: float, values: tuple[float, ...]) -> float:
     i = bisect_right(_ALTITUDES, h)
     if i == len(_ALTITUDES):
         return values[-1]
-    left, right = _ALTITUDES[i - 1], _ALTITUDES[i]
-    return values[i - 1] + (h - left) / (right - left) * (values[i] - values[i - 1])
+    low, high = _ALTITUDES[i - 1], _ALTITUDES[i]
+    return values[i - 1] + (h - low) / (high - low) * (values[i] - values[i - 1])
 
 
 class Dryden:
@@ -259,7 +259,7 @@ def _second_order(x: Any, theta: float, k: float, noise: Any) -> tuple[Any, ...]
     m32 = c31 * p21 + c32 * p22 + f * p32
     m33 = c31 * p31 + c32 * p32 + f * p33
     # the covariance of the added noise keeps the total stationary
-    added = _times(
+    factor = _times(
         _lower(
             (
                 p11 - a * a * p11,
@@ -274,9 +274,9 @@ def _second_order(x: Any, theta: float, k: float, noise: Any) -> tuple[Any, ...]
     )
     x1, x2, x3 = x
     return (
-        a * x1 + added[0],
-        b * x1 + a * x2 + added[1],
-        c31 * x1 + c32 * x2 + f * x3 + added[2],
+        a * x1 + factor[0],
+        b * x1 + a * x2 + factor[1],
+        c31 * x1 + c32 * x2 + f * x3 + factor[2],
     )
 
 
