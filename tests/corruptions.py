@@ -46,7 +46,7 @@ run = partial(
     job=lambda: {"study": "thirds"},
     jobs=1,
     progress=False,
-    died={},
+    death={},
 )
 
 

@@ -72,8 +72,8 @@ class Seeding:
         self.used = self.used or self._state() != self._before
 
     def _state(self) -> bytes:
-        shared = random.getstate(), np.random.get_state()  # noqa: NPY002
-        return pickle.dumps((shared, [_sources(block) for block in self._blocks]))
+        global_states = random.getstate(), np.random.get_state()  # noqa: NPY002
+        return pickle.dumps((global_states, [_sources(block) for block in self._blocks]))
 
 
 _SHARED = (RandomNumberGenerator, SinusoidalPhaseNoiseSource, ChirpPhaseNoiseSource)
@@ -104,13 +104,13 @@ def draws_from_shared(block: Any) -> bool:
 
 def seed_blocks(blocks: Sequence[Block], seed: int, fixed: Collection[Any] = ()) -> list[Block]:
     """Give each block except ``fixed`` its own seed; return the seeded blocks."""
-    seeded = []
+    result = []
     children = np.random.SeedSequence(seed).spawn(len(blocks))
     for block, child in zip(blocks, children, strict=True):
         if not any(block is x for x in fixed):
             _seed(block, int(child.generate_state(1)[0]))
-            seeded.append(block)
-    return seeded
+            result.append(block)
+    return result
 
 
 def _seed(block: Block, seed: int) -> None:
@@ -141,36 +141,38 @@ def outside_generators(function: Any) -> dict[str, Any]:
     defaults, the closure, and the object whose method it is; those in dicts, classes and objects
     there; and those of which a method is there (``draw = rng.normal``).
     """
-    named: dict[str, Any] = {}
+    objects: dict[str, Any] = {}
     while isinstance(function, functools.partial):
         bound = {**{str(i): value for i, value in enumerate(function.args)}, **function.keywords}
-        named |= {f"argument {name}": value for name, value in bound.items()}
+        objects |= {f"argument {name}": value for name, value in bound.items()}
         function = function.func
     owner = getattr(function, "__self__", function)
-    named |= {f"attribute {name}": value for name, value in getattr(owner, "__dict__", {}).items()}
+    objects |= {
+        f"attribute {name}": value for name, value in getattr(owner, "__dict__", {}).items()
+    }
     if not hasattr(function, "__globals__"):  # an object that is called
         function = getattr(type(function).__call__, "__func__", type(function).__call__)
     function = getattr(function, "__func__", function)
     code = getattr(function, "__code__", None)
     if code is not None:
         defaults = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
-        named |= {f"default {i}": value for i, value in enumerate(defaults)}
+        objects |= {f"default {i}": value for i, value in enumerate(defaults)}
         cells = zip(code.co_freevars, function.__closure__ or (), strict=False)
-        named |= {name: cell.cell_contents for name, cell in cells}
-        named |= function.__globals__
+        objects |= {name: cell.cell_contents for name, cell in cells}
+        objects |= function.__globals__
         folder = os.path.join(os.path.dirname(os.path.abspath(code.co_filename)), "")
         for name, module in list(sys.modules.items()):
             file = getattr(module, "__file__", None) or ""
             if file.startswith(folder) and "site-packages" not in file[len(folder) :]:
-                named |= {f"{name}.{x}": value for x, value in vars(module).items()}
-    parts = [(name, x, part) for name, value in named.items() for x, part in _parts(value)]
-    named |= {f"{name}.{x}": part for name, x, part in parts}
-    for name, value in named.items():
+                objects |= {f"{name}.{x}": value for x, value in vars(module).items()}
+    parts = [(name, x, part) for name, value in objects.items() for x, part in _parts(value)]
+    objects |= {f"{name}.{x}": part for name, x, part in parts}
+    for name, value in objects.items():
         if isinstance(value, (types.BuiltinMethodType, types.MethodType)):
-            named[name] = value.__self__
+            objects[name] = value.__self__
     return {
         name: value
-        for name, value in named.items()
+        for name, value in objects.items()
         if isinstance(value, _LASTING) and not isinstance(value, random.SystemRandom)
     }
 

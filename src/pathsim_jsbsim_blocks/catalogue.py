@@ -32,8 +32,8 @@ def diagram_folder() -> Path:
     The model ``NAME.pvm`` of a diagram is beside its script ``NAME.py``.
     """
     package = Path(__file__).resolve().parent
-    installed = package / "diagrams"
-    return installed if installed.is_dir() else package.parents[1] / "diagrams"
+    in_package = package / "diagrams"
+    return in_package if in_package.is_dir() else package.parents[1] / "diagrams"
 
 
 def diagram_names() -> list[str]:

@@ -162,15 +162,15 @@ class DiagramEnv(gymnasium.Env):
         self._find({})
         self.action_space, self.observation_space = self._actions.space, self._observed.space
 
-    def _find(self, varied: Mapping[str, Any]) -> None:
+    def _find(self, settings: Mapping[str, Any]) -> None:
         """Build the diagram, find its ports and connect the actions."""
-        options, (sim, blocks) = self._options, self._build(varied)
+        options, (sim, blocks) = self._options, self._build(settings)
         self.simulation = sim
         if sim.engine.is_adaptive:
             refuse("diagram", sim, "an environment needs a solver with a fixed step")
-        if shared := [type(b).__name__ for b in contents(sim)[0] if draws_from_shared(b)]:
+        if drawers := [type(b).__name__ for b in contents(sim)[0] if draws_from_shared(b)]:
             why = "draws from NumPy's global generator, which cannot be seeded: use WhiteNoise"
-            refuse("diagram", sim, f"{shared[0]} {why}")
+            refuse("diagram", sim, f"{drawers[0]} {why}")
         if any(isinstance(block, _Actions) for block in sim.blocks):
             refuse("diagram", sim, "this simulation is an environment already: build another one")
         self._count_steps()
@@ -205,7 +205,7 @@ class DiagramEnv(gymnasium.Env):
     def _wire(self) -> None:
         """Connect the actions to the diagram, replacing the connections to their ports."""
         sim, ends = self.simulation, [(block, i) for block, _, i in self._actions.ports]
-        replaced = []
+        obsolete = []
         for name, end in zip(self._actions.names, ends, strict=True):
             if end[0] not in sim.blocks:
                 refuse("action", name, f"{name!r} is inside a subsystem")
@@ -215,12 +215,12 @@ class DiagramEnv(gymnasium.Env):
             if wires and self._options["wired"] == "refuse":
                 why = f"{name!r} is connected already; wired='replace' replaces the connection"
                 refuse("wired", "refuse", why)
-            replaced += [wire for wire in wires if wire not in replaced]
+            obsolete += [wire for wire in wires if wire not in obsolete]
         # two blocks: with one, the replaced signals would seem to feed the actions (a loop)
         self._source, spare = _Actions(), _Actions()
         sim.add_block(self._source)
         sim.add_block(spare)
-        for wire in replaced:
+        for wire in obsolete:
             sim.remove_connection(wire)
             for source, end in _ends(wire):
                 target = spare[ends.index(end)] if end in ends else end[0][end[1]]
@@ -246,28 +246,28 @@ class DiagramEnv(gymnasium.Env):
         super().reset(seed=seed)
         if options and not self._vary:
             refuse("options", options, "this environment has nothing to vary: make_env(vary=...)")
-        chosen = {
+        choices = {
             one_of("options", n, self._vary): v for n, v in mapping("options", options).items()
         }
-        varied = {n: self.np_random.uniform(*r) for n, r in self._vary.items()} | chosen
-        drawn = int(self.np_random.integers(2**31))
+        settings = {n: self.np_random.uniform(*r) for n, r in self._vary.items()} | choices
+        draw = int(self.np_random.integers(2**31))
         if self._anew:
-            self._find(varied)
+            self._find(settings)
         else:
             self._count_steps()
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", ".*acts at the next reset", RuntimeWarning)
-                self._set(varied)
+                self._set(settings)
         pieces, self._rows = SteppedRun(self.simulation), []
-        seed_blocks(self._random, drawn)
+        seed_blocks(self._random, draw)
         pieces.show()
         self._pieces = pieces
-        return self._observe(), {"varied": varied}
+        return self._observe(), {"varied": settings}
 
-    def _set(self, varied: Mapping[str, Any]) -> None:
+    def _set(self, settings: Mapping[str, Any]) -> None:
         """Set parameters of blocks, those of one block together: they may fit each other only."""
         changes: dict[Any, dict[str, Any]] = {}
-        for name, value in varied.items():
+        for name, value in settings.items():
             block, parameter = self._places[name]
             changes.setdefault(block, {})[parameter] = value
         for block, parameters in changes.items():
@@ -438,20 +438,20 @@ def make_env(
     options = {n: own(v) for n, v in locals().items() if n not in ("diagram", "settings")}
     if not action or not observation:
         refuse("action", action, "an environment needs at least one action and one observation")
-    chosen = mapping("settings", settings)
+    constants = mapping("settings", settings)
     if isinstance(diagram, Simulation):
-        if chosen or any("." not in name for name in mapping("vary", vary)):
+        if constants or any("." not in name for name in mapping("vary", vary)):
             refuse("settings", settings, "settings and variables need a script, not a simulation")
         names = (_named(diagram, {**f.f_globals, **f.f_locals}) for f in frames())
-        built = diagram, next(filter(None, names), {})
-        return DiagramEnv(lambda varied: built, options)
+        pair = diagram, next(filter(None, names), {})
+        return DiagramEnv(lambda variation: pair, options)
     script = find_diagram(str(diagram))
     if any("." not in name for name in mapping("vary", vary)):
         # raises for variables that the script does not have
-        Script(script, {**chosen, **dict.fromkeys(mapping("vary", vary))})
+        Script(script, {**constants, **dict.fromkeys(mapping("vary", vary))})
 
-    def build(varied: Mapping[str, Any]) -> tuple[Simulation, dict[str, Block]]:
-        module = Script(script, {**chosen, **varied}).load()
+    def build(variation: Mapping[str, Any]) -> tuple[Simulation, dict[str, Block]]:
+        module = Script(script, {**constants, **variation}).load()
         sim = getattr(module, "sim", None)
         if not isinstance(sim, Simulation):
             refuse("diagram", str(script), f"{script.name} builds no Simulation named sim")
@@ -480,8 +480,8 @@ def _lookup(parameter: str, name: Any, entries: Mapping[str, _T]) -> _T:
     if name in entries:
         return entries[name]
     block = str(name).partition(".")[0]
-    own = {x.partition(".")[2]: x for x in entries if x.startswith(f"{block}.")}
-    close = [own[x] for x in nearest_ports(str(name).partition(".")[2], own)]
+    ports = {x.partition(".")[2]: x for x in entries if x.startswith(f"{block}.")}
+    close = [ports[x] for x in nearest_ports(str(name).partition(".")[2], ports)]
     why = did_you_mean(close or nearest(name, entries)) or f"; available: {', '.join(entries)}"
     if not entries:
         why = ": no variable of the script, or of the caller of make_env, is one of its blocks"
@@ -545,8 +545,8 @@ def _heading(**options: Any) -> DiagramEnv:
 
 
 def _off_the_approach(v: Mapping[str, float]) -> float:
-    across, below = abs(v["course.across"]) / 1000, abs(v["glide.gs_ft"]) / 100
-    return -(across + below + abs(v["aircraft.vc"] - 150) / 20)
+    off_course, off_path = abs(v["course.across"]) / 1000, abs(v["glide.gs_ft"]) / 100
+    return -(off_course + off_path + abs(v["aircraft.vc"] - 150) / 20)
 
 
 # fly a 737 along localizer and glide path to the decision height, at 150 KCAS

@@ -150,7 +150,7 @@ def time_histories(
                 panels.append((unit, []))
             panels[-1][1].append((time, _unwound(y) if unit == "deg" else y, label))
     names = [label for _, signals in panels for _, _, label in signals]
-    expected = {names[_index(names, label)]: y for label, y in references.items()}
+    reference_curves = {names[_index(names, label)]: y for label, y in references.items()}
     size, n = (8, 1.2 + 1.7 * len(panels)), len(panels)
     figure, axes = subplots(
         n, 1, sharex=True, squeeze=False, layout="constrained", figsize=size, title=title
@@ -161,8 +161,8 @@ def time_histories(
             ax.plot(time, y, dashes, label=label, linewidth=1.3)
         readable(ax, np.concatenate([y for _, y, _ in signals]))
         for time, _, label in signals:
-            if label in expected:
-                values = _reference(label, time, expected.pop(label))
+            if label in reference_curves:
+                values = _reference(label, time, reference_curves.pop(label))
                 name = "reference" if len(signals) == 1 else f"{label}: reference"
                 ax.plot(time, values, "k:", label=name, linewidth=1.1)
         quantity = textwrap.fill(_quantity([label for *_, label in signals], unit), 20)
@@ -178,7 +178,7 @@ def time_histories(
 def _quantity(labels: list[str], unit: str) -> str:
     """The words that all labels have before a comma, or else the unit's quantity."""
     words = [label.partition(",")[0].split() for label in labels]
-    common = [word for word in words[0] if all(word in others for others in words)]
+    common = [word for word in words[0] if all(word in label_words for label_words in words)]
     return " ".join(common) or _QUANTITIES.get(unit, "")
 
 
@@ -234,8 +234,8 @@ def settling(
         5500 ft 51.4 s after t = 5 s"``, or ``"not within 10 ft of 5500 ft by the end"``
     """
     band = f"within {tolerance:g} {unit} of {target:g} {unit}"
-    outside = np.flatnonzero(~(np.abs(y - target) <= tolerance))  # nan is outside
-    first = int(outside[-1]) + 1 if outside.size else 0
+    misses = np.flatnonzero(~(np.abs(y - target) <= tolerance))  # nan is outside
+    first = int(misses[-1]) + 1 if misses.size else 0
     if first == len(time):
         return f"not {band} by the end"
     if after is None or time[first] < after:

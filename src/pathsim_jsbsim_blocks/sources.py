@@ -41,9 +41,9 @@ class _EdgeSource(Parametric):
 
     def build(self) -> None:
         self._times = self._edge_times()
-        for time, after in pairwise(self._times):
-            if not time < after < math.inf:
-                edges = f"the edges of {type(self).__name__} at {time:.9g} s and {after:.9g} s"
+        for time, end in pairwise(self._times):
+            if not time < end < math.inf:
+                edges = f"the edges of {type(self).__name__} at {time:.9g} s and {end:.9g} s"
                 refuse("start", self._times, f"{edges} are too close to be distinguished")
         if not self.passed:
             self.edges.times_evt = self._times

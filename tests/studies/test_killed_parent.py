@@ -21,7 +21,7 @@ def work(part):
     return [{}]
 
 BUSY = sys.argv[2] == "busy"
-run_parts(work, [[i] for i in range(4)], died={}, describe=str, title="", job=dict, jobs=2,
+run_parts(work, [[i] for i in range(4)], death={}, describe=str, title="", job=dict, jobs=2,
           resume=None, progress=False)
 print("done", flush=True)
 time.sleep(600)

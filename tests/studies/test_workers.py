@@ -25,7 +25,7 @@ run = partial(
     jobs=2,
     resume=None,
     progress=False,
-    died={"square": None},
+    death={"square": None},
 )
 
 PARTS = [[1, 2], [3, 4, 5], [6], [7, 8]]
@@ -180,7 +180,7 @@ def work(part):
         time.sleep(0.2)
     return [{"square": x * x} for x in part]
 
-run_parts(work, [[x, x + 1] for x in range(1, 101, 2)], died={}, describe=str, title="numbers",
+run_parts(work, [[x, x + 1] for x in range(1, 101, 2)], death={}, describe=str, title="numbers",
           job=lambda: {}, jobs=2, resume=sys.argv[1], progress=False)
 """
 

@@ -40,13 +40,13 @@ def depth_in_subsystems() -> int:
     """
     from pathsim import Simulation, Subsystem  # a trim does without PathSim
 
-    inside: set[int] = set()
+    subsystems: set[int] = set()
     for frame in frames():
         variables = list(frame.f_locals.values())
-        inside |= {id(x) for x in variables if isinstance(x, Subsystem)}
+        subsystems |= {id(x) for x in variables if isinstance(x, Subsystem)}
         if any(isinstance(x, Simulation) for x in variables):
             break
-    return len(inside)
+    return len(subsystems)
 
 
 # by the engine, once found

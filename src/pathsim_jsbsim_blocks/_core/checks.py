@@ -35,10 +35,10 @@ def nearest(name: str, names: Iterable[str], n: int = 3) -> list[str]:
     names = list(names)
     low = str(name).lower()
     holds = sorted((x for x in names if len(low) > 2 and low in x.lower()), key=len)
-    held = sorted((x for x in names if len(x) > 2 and x.lower() in low), key=len, reverse=True)
+    parts = sorted((x for x in names if len(x) > 2 and x.lower() in low), key=len, reverse=True)
     spelt = {part.lower(): x for x in reversed(names) for part in (x.rpartition("/")[2], x)}
     close = difflib.get_close_matches(low, spelt, n=n, cutoff=0.55)
-    return list(dict.fromkeys([*holds[:n], *held, *(spelt[x] for x in close)]))[:n]
+    return list(dict.fromkeys([*holds[:n], *parts, *(spelt[x] for x in close)]))[:n]
 
 
 def nearest_ports(name: str, names: Iterable[str]) -> list[str]:
@@ -47,7 +47,7 @@ def nearest_ports(name: str, names: Iterable[str]) -> list[str]:
 
     names = list(names)
     key = str(name).lower().replace(" ", "_")
-    meant = [port for port, others in SYNONYMS.items() if key in others.split() and port in names]
+    meant = [port for port, words in SYNONYMS.items() if key in words.split() and port in names]
     return meant or nearest(name, names)
 
 
@@ -171,8 +171,8 @@ def one_of(parameter: str, value: Any, choices: Iterable[str]) -> str:
     if isinstance(value, str) and value in choices:
         return str(value)
     close = did_you_mean(nearest(str(value), choices, 1))
-    listed = ", ".join(map(repr, choices))
-    refuse(parameter, value, f"{parameter} must be one of {listed}, not {value!r}{close}")
+    options = ", ".join(map(repr, choices))
+    refuse(parameter, value, f"{parameter} must be one of {options}, not {value!r}{close}")
 
 
 def flag(parameter: str, value: Any) -> bool:
@@ -184,8 +184,8 @@ def flag(parameter: str, value: Any) -> bool:
 
 def name_list(parameter: str, names: Any, requirement: str = "a list of names") -> list[Any]:
     """``names``, a list, tuple or array, as a list; numpy strings become Python's."""
-    listed = isinstance(names, Sequence) or (isinstance(names, np.ndarray) and names.ndim)
-    if isinstance(names, str) or not listed:
+    is_list = isinstance(names, Sequence) or (isinstance(names, np.ndarray) and names.ndim)
+    if isinstance(names, str) or not is_list:
         must_be(parameter, names, requirement)
     return list(map(plain_name, names))
 
@@ -255,5 +255,5 @@ def _reals(values: Mapping[str, Any]) -> tuple[list[Any], tuple[int, ...]]:
         return out, np.broadcast_shapes(*(x.shape for x in out))
     except ValueError:
         shapes = {parameter: x.shape for parameter, x in zip(values, out, strict=True)}
-        listed = ", ".join(f"{parameter} {shape}" for parameter, shape in shapes.items() if shape)
-        refuse(", ".join(values), shapes, f"the arrays must broadcast to one shape, not {listed}")
+        text = ", ".join(f"{parameter} {shape}" for parameter, shape in shapes.items() if shape)
+        refuse(", ".join(values), shapes, f"the arrays must broadcast to one shape, not {text}")

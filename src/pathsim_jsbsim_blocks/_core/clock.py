@@ -146,10 +146,10 @@ class SampleClock(Schedule):
         self.begun: tuple[int, Any] = 0, None
         self._set((0, None, None))
 
-    def _set(self, now: tuple[int, Any, Any]) -> None:
-        """Continue from ``now``, at any time."""
+    def _set(self, values: tuple[int, Any, Any]) -> None:
+        """Continue from ``values``, at any time."""
         self.ahead: Any = None
-        self.now = now
+        self.now = values
         self.leave()
 
     def _keep(self) -> None:
@@ -247,8 +247,8 @@ class SampleClock(Schedule):
 
     def to_checkpoint(self, prefix: str) -> tuple[dict, dict]:
         json_data, npz_data = super().to_checkpoint(prefix)
-        now = [_plain(part) for part in self.latest]
-        json_data.update(period=self.period, start=self.start, now=now)
+        values = [_plain(part) for part in self.latest]
+        json_data.update(period=self.period, start=self.start, now=values)
         return json_data, npz_data
 
     def load_checkpoint(self, prefix: str, json_data: dict, npz: Any) -> None:

@@ -37,18 +37,18 @@ def sampled_equivalent(law: Law, u: list[float], state: Any, name: str) -> Matri
     """
     x, rebuild = _flat(state)
     for _ in range(_ENGAGING):
-        after = law(u, state)[1]
-        now, x_rebuild = _flat(after)
-        if len(now) == len(x):
+        successor = law(u, state)[1]
+        x_next, x_rebuild = _flat(successor)
+        if len(x_next) == len(x):
             break
         # the state of a law that has just engaged is not complete
-        state, x, rebuild = after, now, x_rebuild
+        state, x, rebuild = successor, x_next, x_rebuild
     else:
         raise _no_equivalent(name)
 
     def step(values: np.ndarray) -> np.ndarray:
-        y, after = law(values[: len(u)].tolist(), rebuild(values[len(u) :].tolist()))
-        return np.array([*y, *_flat(after)[0]], dtype=float)
+        y, successor = law(values[: len(u)].tolist(), rebuild(values[len(u) :].tolist()))
+        return np.array([*y, *_flat(successor)[0]], dtype=float)
 
     point = np.array([*u, *x], dtype=float)
     jacobian = np.array([_slope(step, point, i) for i in range(len(point))]).T
@@ -99,9 +99,9 @@ def at_limit(
     _, B, C, D = model
 
     def after(i: int, distance: float) -> np.ndarray:
-        moved = [x + distance * (j == i) for j, x in enumerate(u)]
+        v = [x + distance * (j == i) for j, x in enumerate(u)]
         # the second sample: a rate limit has no effect on the first
-        return np.array(law(moved, law(moved, state)[1])[0])
+        return np.array(law(v, law(v, state)[1])[0])
 
     names = []
     for i in range(len(u)):
@@ -123,15 +123,15 @@ def _slope(step: Callable[[np.ndarray], np.ndarray], point: np.ndarray, i: int) 
         return step(values)
 
     h = _STEP * max(1.0, abs(point[i]))
-    above, middle, below = beside(h), step(point), beside(-h)
-    if not above.shape == middle.shape == below.shape:
+    high, middle, low = beside(h), step(point), beside(-h)
+    if not high.shape == middle.shape == low.shape:
         # a switch that resets the law's state
         return np.zeros_like(middle)
-    wide = (above - below) / (2 * h)
+    wide = (high - low) / (2 * h)
     narrow = (beside(h / 2) - beside(-h / 2)) / h
     smooth = np.abs(wide - narrow) <= _BROKEN * np.maximum(np.abs(wide), np.abs(narrow)) + 1e-9
     # equal jumps to both sides cancel in a central difference
-    up, down = above - middle, middle - below
+    up, down = high - middle, middle - low
     smooth &= np.abs(up - down) <= _BROKEN * (np.abs(up) + np.abs(down)) + 1e-9 * h
     return np.where(smooth, wide, 0.0)
 
@@ -146,9 +146,9 @@ def _that_matter(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> list[int]:
         return nodes
 
     links = A != 0.0
-    moved = reached(links, np.any(B != 0.0, axis=1))
+    controllable = reached(links, np.any(B != 0.0, axis=1))
     observable = reached(links.T, np.any(C != 0.0, axis=0))
-    return np.flatnonzero(moved & observable).tolist()
+    return np.flatnonzero(controllable & observable).tolist()
 
 
 def _flat(state: Any) -> tuple[list[float], Callable[[list[float]], Any]]:

@@ -17,11 +17,9 @@ def filler(**texts: str) -> Callable[[Documented], Documented]:
     """A decorator that replaces the lines ``%(name)s`` of a docstring with ``texts``."""
     clean = {name: cleandoc(text) for name, text in texts.items()}
 
-    def fill(documented: Documented) -> Documented:
-        if documented.__doc__:  # absent under python -OO
-            documented.__doc__ = _PLACE.sub(
-                lambda place: indent(clean[place[2]], place[1]), documented.__doc__
-            )
-        return documented
+    def fill(item: Documented) -> Documented:
+        if item.__doc__:  # absent under python -OO
+            item.__doc__ = _PLACE.sub(lambda place: indent(clean[place[2]], place[1]), item.__doc__)
+        return item
 
     return fill

@@ -45,10 +45,10 @@ def writable(parameter: str, value: Any) -> Path:
 def ending(parameter: str, path: Path, *endings: str) -> Path:
     """``path`` if it has one of ``endings``; the error suggests it with the nearest of them."""
     if path.suffix.lower() not in endings:
-        listed = " or ".join(x for x in endings if x)
+        text = " or ".join(x for x in endings if x)
         close = nearest(path.suffix, endings, 1) or endings
         hint = did_you_mean([os.path.splitext(path)[0] + close[0]])
-        refuse(parameter, str(path), f"{parameter} must end in {listed}, not {path.name!r}{hint}")
+        refuse(parameter, str(path), f"{parameter} must end in {text}, not {path.name!r}{hint}")
     return path
 
 

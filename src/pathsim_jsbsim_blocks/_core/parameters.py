@@ -157,12 +157,12 @@ class Parametric(Block):
 
     def _change(self, values: dict[str, Any]) -> None:
         """Apply changed parameters; restore the old ones if they are refused."""
-        before = {name: getattr(self, name) for name in values}
+        previous = {name: getattr(self, name) for name in values}
         self.__dict__.update({name: own(value) for name, value in values.items()})
         try:
             self._configure()
         except BaseException:
-            self.__dict__.update(before)
+            self.__dict__.update(previous)
             self._configure()
             raise
 
@@ -171,13 +171,13 @@ class Parametric(Block):
         return copy.deepcopy(self)
 
     def __repr__(self) -> str:
-        changed = []
+        arguments = []
         for name, parameter in inspect.signature(type(self)).parameters.items():
             value = getattr(self, name, parameter.default)
             # by its text, because comparing arrays gives an array
             if repr(value) != repr(parameter.default):
-                changed.append(f"{name}={reprlib.repr(editable(value))}")
-        return f"{type(self).__name__}({', '.join(changed)})"
+                arguments.append(f"{name}={reprlib.repr(editable(value))}")
+        return f"{type(self).__name__}({', '.join(arguments)})"
 
     @classmethod
     def info(cls) -> dict[str, Any]:

@@ -138,8 +138,8 @@ def levels(sim: Simulation) -> list[Level]:
     """The evaluation of a diagram without loops, in order."""
 
     def acts(block: Block) -> bool:
-        own = getattr(block.update, "__func__", None) is not Block.update
-        return own or block.op_alg is not None
+        has_update = getattr(block.update, "__func__", None) is not Block.update
+        return has_update or block.op_alg is not None
 
     return [
         (
@@ -215,13 +215,13 @@ def begin_stepping(sim: Simulation) -> None:
     """In the first step of a diagram that is stepped by hand, do what a run does at its start."""
     if not sim._sampling_enabled:
         return
-    others = [event for event in sim._get_active_events() if not isinstance(event, Schedule)]
+    monitors = [event for event in sim._get_active_events() if not isinstance(event, Schedule)]
     # the step has buffered these events before any evaluation: evaluate, and buffer them again
     sim._update(sim.time)
-    for event in others:
+    for event in monitors:
         event.buffer(sim.time)
     show_edited(sim, sim.dt, [])
-    for event in others:
+    for event in monitors:
         event.buffer(sim.time)
 
 

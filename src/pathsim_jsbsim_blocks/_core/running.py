@@ -89,12 +89,12 @@ def _fly(sim: Simulation, duration: float, reset: bool, progress: bool | None) -
                 # even if sim.dt has changed since
                 loop.close()
                 dt, stats = step["dt"], tracker.stats
-                left = math.ceil(duration / dt * (1 - _ROUNDING)) - 1
+                remainder = math.ceil(duration / dt * (1 - _ROUNDING)) - 1
                 steps = Steps(sim, dt)
-                while left and sim:
+                while remainder and sim:
                     # PathSim logs the progress of each step
-                    count = steps.make(1 if sim.log else min(left, _AT_ONCE))
-                    left -= count
+                    count = steps.make(1 if sim.log else min(remainder, _AT_ONCE))
+                    remainder -= count
                     if sim.log and count:
                         tracker.update((sim.time - start) / duration)
                     else:
@@ -154,8 +154,8 @@ class Steps:
         self._graph = sim.graph
         clocks = [(b, getattr(b, "clock", None)) for b in sim.blocks]
         self._sampled = [(b, clock) for b, clock in clocks if isinstance(clock, SampleClock)]
-        others = [b for b, clock in clocks if not isinstance(clock, SampleClock)]
-        self._eventful = [b for b in others if b.events]
+        unclocked = [b for b, clock in clocks if not isinstance(clock, SampleClock)]
+        self._eventful = [b for b in unclocked if b.events]
         self._recorders = [
             b for b in sim.blocks if getattr(b.sample, "__func__", None) is not Block.sample
         ]
@@ -175,14 +175,14 @@ class Steps:
         evaluate, sample = pathsim_internals.evaluate, pathsim_internals.sample
         is_dirty = pathsim_internals.is_dirty
         eventful, levels, recorders = self._eventful, self._levels, self._recorders
-        sampled = self._sampled
+        clocks = self._sampled
         while steps < count and sim and sim.graph is graph and not is_dirty(sim):
             t = sim.time + dt
             if sim.diagnostics is not None:
                 break
             if (eventful or sim.events) and self._other_due(sim.time):
                 break
-            for block, clock in sampled:
+            for block, clock in clocks:
                 if t >= clock.due and block:
                     clock.buffer(sim.time)
                     if t > clock.end:

@@ -84,8 +84,8 @@ class SampledBlock(Block):
         if self.events:
             clock.depth = depth_in_subsystems()
             clock.settling = settlings.setdefault(parent, Settling())
-            others = [event for event in self.events if not isinstance(event, Settling)]
-            self.events = [*others, *clock.depth * [clock.settling]]
+            events = [event for event in self.events if not isinstance(event, Settling)]
+            self.events = [*events, *clock.depth * [clock.settling]]
 
     def _run_begins(self) -> None:
         """Called when a run begins."""
@@ -235,10 +235,10 @@ class SampledLaw(Parametric, SampledBlock):
     def _configure(self) -> None:
         super()._configure()
         present = self.clock.period
-        if self.events and (asked := sample_period(self.T)) != present:
+        if self.events and (new_period := sample_period(self.T)) != present:
             # a new T acts at the next reset; building with it now detects errors
             try:
-                self.clock.period = asked
+                self.clock.period = new_period
                 self.build()
             finally:
                 self.clock.period = present

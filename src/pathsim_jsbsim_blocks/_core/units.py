@@ -83,8 +83,8 @@ _ELSEWHERE = {
 def _known(parameter: str, unit: Any) -> str:
     if isinstance(unit, str) and unit in _DIMENSION:
         return _DIMENSION[unit]
-    other = _ELSEWHERE.get(str(unit))
-    close = did_you_mean([other] if other else nearest(str(unit), _DIMENSION))
+    synonym = _ELSEWHERE.get(str(unit))
+    close = did_you_mean([synonym] if synonym else nearest(str(unit), _DIMENSION))
     why = f"{parameter} must be a unit such as 'kt', 'ft' or 'm/s', not {unit!r}{close}"
     refuse(parameter, unit, why)
 
@@ -97,10 +97,10 @@ def conversion(source: str, target: str) -> tuple[float, float]:
     ParameterError
         for an unknown unit, naming the nearest, and for units of different quantities
     """
-    dimension, other = _known("source", source), _known("target", target)
+    dimension, quantity = _known("source", source), _known("target", target)
     units = UNITS[dimension]
-    if dimension != other:
-        why = f"{source!r} is a unit of {dimension}, {target!r} one of {other}; units of "
+    if dimension != quantity:
+        why = f"{source!r} is a unit of {dimension}, {target!r} one of {quantity}; units of "
         refuse("target", target, f"{why}{dimension} are {', '.join(units)}")
     offset = _OFFSETS.get(source, 0.0) - _OFFSETS.get(target, 0.0)
     return units[source] / units[target], offset / units[target]

@@ -52,7 +52,7 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
     leads: dict[Block, list[tuple[int, Block, int]]] = defaultdict(list)
     # a subsystem's inputs are its interface's outputs, and the reverse, with the same numbers
     faces = {b: b.interface for b in blocks if isinstance(b, Subsystem)}
-    faces |= {inside: box for box, inside in faces.items()}
+    faces |= {face: box for box, face in faces.items()}
     for connection in connections:
         for source, i, target, j in _wires(connection):
             starts.add((id(source), i))
@@ -71,12 +71,12 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
                         f"{name_of(block)} is connected ({_wire(source, i, target, j)}), but not "
                         "among the blocks of the simulation: it has no effect"
                     )
-            other, k = ends.setdefault((id(target), j), (source, i))
-            if (other, k) != (source, i):
+            rival, k = ends.setdefault((id(target), j), (source, i))
+            if (rival, k) != (source, i):
                 # by name and by number; PathSim itself refuses the same key twice
                 yield (
                     f"two connections lead to {_port(target, j, target.inputs)}, from "
-                    f"{_port(other, k, other.outputs)} and {_port(source, i, source.outputs)}: "
+                    f"{_port(rival, k, rival.outputs)} and {_port(source, i, source.outputs)}: "
                     "use an Adder. One of them has no effect"
                 )
     for block in blocks:
@@ -85,8 +85,11 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
                 yield f"{_port(block, i, block.inputs)} is not connected and reads 0"
         commands: Mapping[str, str] = getattr(block, "commands", {})
         for command, switch in commands.items():
-            (i,), wired = _numbers([command], block.outputs), {j for b, j in ends if b == id(block)}
-            if (id(block), i) not in starts and not wired & {*_numbers([switch], block.inputs)}:
+            (i,), inputs = (
+                _numbers([command], block.outputs),
+                {j for b, j in ends if b == id(block)},
+            )
+            if (id(block), i) not in starts and not inputs & {*_numbers([switch], block.inputs)}:
                 port = _port(block, i, block.outputs)
                 yield f"{port} is not connected: the command has no effect"
         if models := getattr(block, "tuned_for", ()):
@@ -100,12 +103,12 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
 
 def _flown(leads: Any, faces: Any, block: Block, ports: list[int]) -> list[Any]:
     """The aircraft connected to outputs of a block, directly or through blocks without gains."""
-    reached = [(target, j) for i, target, j in leads[block] if i in ports]
-    for other, port in reached:  # the list grows in the loop
-        if not (hasattr(other, "model_name") or hasattr(other, "tuned_for")):
-            ways = [(b, j) for i, b, j in leads[other] if other not in faces or i == port]
-            reached += [way for way in ways if way not in reached]
-    return [other for other, _ in reached if hasattr(other, "model_name")]
+    ends = [(target, j) for i, target, j in leads[block] if i in ports]
+    for sink, port in ends:  # the list grows in the loop
+        if not (hasattr(sink, "model_name") or hasattr(sink, "tuned_for")):
+            ways = [(b, j) for i, b, j in leads[sink] if sink not in faces or i == port]
+            ends += [way for way in ways if way not in ends]
+    return [sink for sink, _ in ends if hasattr(sink, "model_name")]
 
 
 def _wires(connection: Connection) -> Iterator[tuple[Block, int, Block, int]]:
@@ -130,8 +133,8 @@ def contents(diagram: Simulation | Subsystem) -> tuple[list[Block], list[Connect
 
 def _crossing(diagram: Simulation | Subsystem) -> Iterator[Connection]:
     """Connections from a block that is not beside them, but in a subsystem or around it."""
-    beside = {id(block) for block in [*diagram.blocks, getattr(diagram, "interface", None)]}
-    yield from (c for c in diagram.connections if id(c.source.block) not in beside)
+    neighbours = {id(block) for block in [*diagram.blocks, getattr(diagram, "interface", None)]}
+    yield from (c for c in diagram.connections if id(c.source.block) not in neighbours)
     for block in diagram.blocks:
         if isinstance(block, Subsystem):
             yield from _crossing(block)

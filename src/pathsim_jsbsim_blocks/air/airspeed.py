@@ -46,8 +46,8 @@ def _either_side(x: Any, limit: float, low: Any, high: Any) -> Any:
     """The values of ``low`` up to a limit, of ``high`` beyond."""
     if isinstance(x, float):
         return low(x, math) if x <= limit else high(x)
-    y, beyond = low(x, np), x > limit
-    y[beyond] = high(x[beyond])
+    y, supersonic = low(x, np), x > limit
+    y[supersonic] = high(x[supersonic])
     return y
 
 
@@ -77,8 +77,8 @@ def _rayleigh_inverse(ratio: Any) -> Any:
 
 def _at_other_pressure(mach: Any, ratio: Any) -> Any:
     """The Mach number with the impact pressure of ``mach`` at p divided by ``ratio``."""
-    other = _mach_number(_impact_ratio(mach) * ratio)
-    return (math if isinstance(other, float) else np).copysign(other, mach)
+    result = _mach_number(_impact_ratio(mach) * ratio)
+    return (math if isinstance(result, float) else np).copysign(result, mach)
 
 
 def _speed(parameter: str, value: Any, air: Air) -> Any:

@@ -166,9 +166,13 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
     StdSL_speed_of_sound = A0
     atmosphere_bands = [
         flight.ISAtmosphere.AtmosphereBand(
-            layer.base, above.base, layer.temperature, layer.pressure, round(layer.lapse_rate, 9)
+            layer.base,
+            upper.base,
+            layer.temperature,
+            layer.pressure,
+            round(layer.lapse_rate, 9),
         )
-        for layer, above in pairwise(LAYERS)
+        for layer, upper in pairwise(LAYERS)
     ]
 
     def _eval(self, altitude: float, temp_deviation: float = 0.0) -> tuple[float, ...]:

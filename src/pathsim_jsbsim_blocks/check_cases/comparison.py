@@ -50,7 +50,7 @@ class _Quantity:
     unit: str  # of the reference
     per_signal: float  # factor from the signal to that unit
     limit: float | None  # of the distance from simulator 05; None if that lacks the quantity
-    banded: bool = True  # whether it must lie in NASA's band
+    has_band: bool = True  # whether it must lie in NASA's band
 
 
 # by their names in the diagrams' scopes
@@ -189,15 +189,15 @@ def compare(case: float, *scopes: Scope) -> list[Deviation]:
     ParameterError
         for a case that does not exist, a signal that is missing, or times that are not recorded
     """
-    reference, single = _reference(_valid_case(case)), _simulator_05(case)
-    flown, flown_single = _flown(reference, scopes), _flown(single, scopes)
+    reference, table_05 = _reference(_valid_case(case)), _simulator_05(case)
+    flown, flown_single = _flown(reference, scopes), _flown(table_05, scopes)
     until = float(flown["time_s"][-1])
     deviations = []
     for name, quantity in _quantities(case).items():
         median = reference[quantity.column]
         worst = abs(_distance(case, name, scopes, flown)).max()
         ratio, band, from_05 = 0.0, None, None
-        if quantity.banded:
+        if quantity.has_band:
             band = float(_band(case, quantity, reference).max())
             digits = _ROUNDING * max(1, abs(median).max())
             ratio = worst / (band * (1 + _ROUNDING_OF_SPREADS) + digits)
@@ -222,7 +222,7 @@ def _quantities(case: float) -> dict[str, _Quantity]:
         **dict.fromkeys(("roll angle", "pitch angle", "heading"), attitude),
     }
     return {
-        name: replace(_QUANTITIES[name], limit=limit, banded=name != "true airspeed")
+        name: replace(_QUANTITIES[name], limit=limit, has_band=name != "true airspeed")
         for name, limit in limits.items()
     }
 
@@ -275,7 +275,7 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
     """
     from ..plots import subplots
 
-    reference, single = _reference(_valid_case(case)), _simulator_05(case)
+    reference, table_05 = _reference(_valid_case(case)), _simulator_05(case)
     flown = _flown(reference, scopes)
     time = reference["time_s"]
     panels = {}
@@ -292,14 +292,14 @@ def comparison_figure(case: float, *scopes: Scope) -> Figure:
         centre = np.zeros(len(time))
         ax.plot(flown["time_s"], _distance(case, name, scopes, flown), label="this diagram")
         if quantity.limit is not None:
-            at = np.searchsorted(time, single["time_s"])
-            apart = single[quantity.column] - reference[quantity.column][at]
+            at = np.searchsorted(time, table_05["time_s"])
+            difference = table_05[quantity.column] - reference[quantity.column][at]
             # both angles may wrap around, their difference must not
-            apart = _on_circle(quantity, apart) * _scale(case, quantity, single)
-            ax.plot(single["time_s"], apart, "k:", label="simulator 05")
-            if not quantity.banded:  # compared with simulator 05 only
+            difference = _on_circle(quantity, difference) * _scale(case, quantity, table_05)
+            ax.plot(table_05["time_s"], difference, "k:", label="simulator 05")
+            if not quantity.has_band:  # compared with simulator 05 only
                 limits[:] = quantity.limit
-                centre = np.interp(time, single["time_s"], apart)
+                centre = np.interp(time, table_05["time_s"], difference)
         low, high = centre - limits, centre + limits
         ax.fill_between(time, low, high, color="tab:gray", alpha=0.3, label="limits")
         ax.set_ylabel(f"{name}\n[{quantity.unit}]")
@@ -347,23 +347,23 @@ def _flown(table: np.ndarray, scopes: Sequence[Scope]) -> np.ndarray:
     return table[table["time_s"] <= end + 1e-6]
 
 
-def _distance(case: float, name: str, scopes: Sequence[Scope], expected: np.ndarray) -> np.ndarray:
+def _distance(case: float, name: str, scopes: Sequence[Scope], table: np.ndarray) -> np.ndarray:
     """A recorded signal minus the values of a table, at the table's times."""
     from ..plots import signal
 
     scope = next((s for s in scopes if any(name in label for label in s.labels)), None)
     if scope is None:
         refuse("scopes", scopes, f"none of the scopes records the {name}")
-    recorded, values = signal(scope, name)
-    time = expected["time_s"]
-    at = np.minimum(np.searchsorted(recorded, time - 1e-6), len(recorded) - 1)
-    missing = time[abs(recorded[at] - time) > 1e-6]
+    times, values = signal(scope, name)
+    time = table["time_s"]
+    at = np.minimum(np.searchsorted(times, time - 1e-6), len(times) - 1)
+    missing = time[abs(times[at] - time) > 1e-6]
     if missing.size:
         why = f"the recording has no sample at t = {missing[0]:g} s, which the reference has"
         refuse("scope", scope, why)
     quantity = _QUANTITIES[name]
-    apart = _on_circle(quantity, values[at] * quantity.per_signal - expected[quantity.column])
-    return apart * _scale(case, quantity, expected)
+    difference = _on_circle(quantity, values[at] * quantity.per_signal - table[quantity.column])
+    return difference * _scale(case, quantity, table)
 
 
 def _on_circle(quantity: _Quantity, difference: np.ndarray) -> np.ndarray:

@@ -90,10 +90,10 @@ def in_real_time() -> Iterator[Pace]:
         adaptive = values.get("adaptive", True)
         with progress_bar(duration) as bar:
             for _ in sim.run_realtime(duration, adaptive=adaptive, tickrate=_TICKS):
-                passed = sim.time - start
-                behind = min(time.perf_counter() - began, duration) - passed
-                pace.worst = max(pace.worst, behind)
-                bar.update(passed - bar.n)
+                elapsed = sim.time - start
+                delay = min(time.perf_counter() - began, duration) - elapsed
+                pace.worst = max(pace.worst, delay)
+                bar.update(elapsed - bar.n)
         flown, real = sim.time - start, time.perf_counter() - began
         pace.simulated += flown
         pace.real += real

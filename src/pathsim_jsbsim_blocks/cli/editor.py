@@ -47,17 +47,17 @@ def view(args: argparse.Namespace) -> None:
     asking(opened, args.trust)
 
 
-def asking(opened: Callable[[bool], _Opened], trust: bool) -> _Opened:
+def asking(open_model: Callable[[bool], _Opened], trust: bool) -> _Opened:
     """Open a model, after asking the user whether to trust it."""
     from ..pathview.trusted_models import remember
 
     try:
-        return opened(trust)
+        return open_model(trust)
     except UntrustedModelError as error:
         if not says_yes(error):
             raise
         remember(error.digest)
-        return opened(False)  # the file may have changed by now
+        return open_model(False)  # the file may have changed by now
 
 
 def says_yes(error: UntrustedModelError) -> bool:
@@ -100,8 +100,8 @@ def export(args: argparse.Namespace) -> None:
 
     check_file("output", args.output, ".pvm", ".json")
     script = find_diagram(args.script)
-    own = script.is_relative_to(diagram_folder())
-    output = args.output or (Path(f"{script.stem}.pvm") if own else None)
+    in_catalogue = script.is_relative_to(diagram_folder())
+    output = args.output or (Path(f"{script.stem}.pvm") if in_catalogue else None)
     text = f"{script} still runs after {_LONG:.0f} s; Ctrl-C ends the export"
     waiting = threading.Timer(_LONG, tell, [text])
     waiting.daemon = True

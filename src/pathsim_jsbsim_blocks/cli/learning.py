@@ -29,10 +29,10 @@ from .plain import plain_text
 def course(args: argparse.Namespace) -> None:
     from .._core.extras import required
 
-    unchanged = _copied(args.folder)
+    versions = _copied(args.folder)
     print(f"the course is in {args.folder.resolve()}")
-    if unchanged:
-        print(f"your versions are kept: {', '.join(unchanged)}; for a new copy rename them first")
+    if versions:
+        print(f"your versions are kept: {', '.join(versions)}; for a new copy rename them first")
     if args.no_open:
         return
     required("jupyterlab", "course")
@@ -55,8 +55,8 @@ def course(args: argparse.Namespace) -> None:
 def chapters() -> Path:
     """The folder of the course: in the package if it is installed, otherwise in the repository."""
     package = Path(__file__).resolve().parents[1]
-    installed = package / "course"
-    return installed if installed.is_dir() else package.parents[1] / "docs" / "notebooks"
+    in_package = package / "course"
+    return in_package if in_package.is_dir() else package.parents[1] / "docs" / "notebooks"
 
 
 # a link to a page of the documentation, which the copy does not include
@@ -67,7 +67,7 @@ def _copied(folder: Path) -> list[str]:
     """Copy chapters and figures; return existing files that differ, which are not overwritten."""
     from .._core.files import replacing
 
-    unchanged = []
+    versions = []
     for source in sorted([*chapters().glob("*.ipynb"), *chapters().glob("figures/*.svg")]):
         name = source.relative_to(chapters())
         content = _PAGE.sub(r"\1 (docs/\2)", source.read_text(encoding="utf-8")).encode()
@@ -77,8 +77,8 @@ def _copied(folder: Path) -> list[str]:
             with replacing(target) as part:
                 part.write_bytes(content)
         elif target.read_bytes() != content:
-            unchanged.append(str(name))
-    return unchanged
+            versions.append(str(name))
+    return versions
 
 
 @command(

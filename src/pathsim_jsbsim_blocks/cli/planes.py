@@ -241,14 +241,14 @@ def gains(args: argparse.Namespace) -> int:
         flight = level_flight(
             args.aircraft, args.root, create=created(args), substeps=args.substeps
         )
-        condition, needed = flight.condition, flight.create
+        condition, properties = flight.condition, flight.create
     else:
         airframe, condition = prepared(args.aircraft, args.root, created(args), args.substeps)
-        needed = airframe.created
+        properties = airframe.created
         if not airframe.engines:
             condition = dataclasses.replace(condition, mode="glide")
     setup, model = setup_and_model(args)
-    model["create"] = needed
+    model["create"] = properties
     fields = {"setup": {**condition.setup, **setup}, "gear": args.gear, "flaps": args.flaps}
     fields = {name: value for name, value in fields.items() if value is not None}
     condition = dataclasses.replace(condition, **fields)

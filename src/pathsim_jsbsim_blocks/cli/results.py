@@ -51,14 +51,14 @@ def study(args: argparse.Namespace) -> None:
     options = {**vars(args), "wide": args.wide or None}
     if args.speeds is not None:
         options["speeds"] = values_in_range("speeds", args.speeds)
-    taken = [*inspect.signature(entry.table).parameters]
+    parameters = [*inspect.signature(entry.table).parameters]
     for name in ("wide", "aircraft", "altitude", "speeds", "speed", "gamma"):
-        if options[name] is not None and name not in taken:
-            accepted = ", ".join(f"--{x}" for x in taken if x != "progress")
-            why = f"the study {args.name} has no option --{name}; it has {accepted}"
+        if options[name] is not None and name not in parameters:
+            options_text = ", ".join(f"--{x}" for x in parameters if x != "progress")
+            why = f"the study {args.name} has no option --{name}; it has {options_text}"
             refuse(name, options[name], why)
     with saving_figures(args.save):
-        table = entry.table(**{x: options[x] for x in taken if options.get(x) is not None})
+        table = entry.table(**{x: options[x] for x in parameters if options.get(x) is not None})
         count = f"{len(table)} rows"
         if "trimmed" in table:
             count = f"{table.trimmed.sum()} of {len(table)} points trim"
@@ -96,9 +96,9 @@ def chart(args: argparse.Namespace) -> None:
     result = ["load_factor", "speed_kcas", "value", "unit", "difference_percent", "reason"]
     faults = table[table.fault != ""]
     # print single values; curves are only drawn
-    single = ~table.duplicated(["chart", *at[:3]], keep=False)
-    printed = single | table.value.isna() | table.chart.isin(["V-n", "stall"])
-    _print_table(table[printed][[*at, *result]])
+    is_single = ~table.duplicated(["chart", *at[:3]], keep=False)
+    rows_to_print = is_single | table.value.isna() | table.chart.isin(["V-n", "stall"])
+    _print_table(table[rows_to_print][[*at, *result]])
     if len(faults):
         print("faults of the model, values that break an invariant of physics:")
         _print_table(faults[[*at, "speed_kcas", "value", "unit", "fault"]])
@@ -143,20 +143,20 @@ def check(args: argparse.Namespace) -> int:
     from ..check_cases import CASES, compare, comparison_figure, comparison_table, fly_case
     from ..plots import show
 
-    cases, passed = args.case or [*CASES], 0
+    cases, passes = args.case or [*CASES], 0
     rates: list[int] = []
     with saving_figures(args.save):
         for case in cases:
             rates.append(args.rate or (200 if case > 10 else 100))
             scopes = fly_case(case, rates[-1], args.integrators)
             deviations = compare(case, *scopes)
-            passed += all(d.passes for d in deviations)
+            passes += all(d.passes for d in deviations)
             print(comparison_table(case, deviations), flush=True)
             if args.save is not None:
                 show(comparison_figure(case, *scopes), "")
     hertz = " and ".join(f"{rate} Hz" for rate in sorted({*rates}))
-    print(f"{passed} of {len(cases)} cases pass: at {hertz}, {args.integrators} integrators")
-    return int(passed < len(cases))
+    print(f"{passes} of {len(cases)} cases pass: at {hertz}, {args.integrators} integrators")
+    return int(passes < len(cases))
 
 
 @command(
@@ -178,8 +178,8 @@ def daveml(args: argparse.Namespace) -> int:
     for row in rows:
         print("  ".join(x.ljust(width) for x, width in zip(row, widths, strict=True)).rstrip())
     checks = model.verify()
-    failed = [check for check in checks if not check.passes]
-    for c in failed:
+    failures = [check for check in checks if not check.passes]
+    for c in failures:
         print(
             f"FAIL: shot {c.shot!r}: {c.variable} is {c.value:.9g}, not {c.expected:.9g} "
             f"+- {c.tolerance:.3g}"
@@ -188,5 +188,5 @@ def daveml(args: argparse.Namespace) -> int:
     if not checks:
         print("the file has no check data")
     else:
-        print(f"{len(checks) - len(failed)} of {len(checks)} values in {shots} check shots pass")
-    return int(bool(failed))
+        print(f"{len(checks) - len(failures)} of {len(checks)} values in {shots} check shots pass")
+    return int(bool(failures))

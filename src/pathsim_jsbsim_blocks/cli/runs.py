@@ -130,7 +130,7 @@ def run(args: argparse.Namespace) -> int:
             _to_flightgear(args.flightgear),
             _telling_of_no_aircraft(args),
             intercepted_runs(lambda run: last.append(run.simulation)),
-            contextlib.ExitStack() as timed,
+            contextlib.ExitStack() as context,
         ):
             try:
                 diagram = Script(script, settings, source)
@@ -138,7 +138,7 @@ def run(args: argparse.Namespace) -> int:
                 if constant:
                     settings["DURATION"] = duration
                     diagram = Script(script, settings, source)
-                timed.enter_context(with_duration(None if constant else duration))
+                context.enter_context(with_duration(None if constant else duration))
                 diagram.run(module)
                 objects = list(vars(module).values())
                 if not last:
@@ -218,8 +218,8 @@ def _telling_of_no_aircraft(args: argparse.Namespace) -> contextlib.AbstractCont
             tell(text)
         texts.add(text)
 
-    asked = args.track or args.flightgear is not None
-    return intercepted_runs(check) if asked else contextlib.nullcontext()
+    wants_track = args.track or args.flightgear is not None
+    return intercepted_runs(check) if wants_track else contextlib.nullcontext()
 
 
 @contextlib.contextmanager
@@ -232,27 +232,27 @@ def _tracking(paths: Sequence[Path]) -> Iterator[None]:
     from ..tracks.recording import recorded_flights
 
     paths = [track_file("track", path).absolute() for path in paths]
-    ended = False
+    complete = False
     with recorded_flights() as recordings:
         try:
             yield
-            ended = True
+            complete = True
         finally:
             try:
-                _save_tracks(paths, recordings, ended)
+                _save_tracks(paths, recordings, complete)
             except BlocksError as failure:
-                if ended:
+                if complete:
                     raise
                 report(failure)
 
 
-def _save_tracks(paths: Sequence[Path], recordings: Any, ended: bool) -> None:
+def _save_tracks(paths: Sequence[Path], recordings: Any, complete: bool) -> None:
     from .._core.checks import refuse
     from ..tracks.files import save_tracks
     from ..tracks.recording import tracks
 
     flown = tracks(recordings)
-    if ended and not flown:
+    if complete and not flown:
         refuse("track", str(paths[0]), "the script flies no aircraft")
 
     def save_to(path: Path) -> None:
@@ -311,29 +311,29 @@ def _report_failure(
     ``last`` is the simulation of its last run.
     """
     scopes = recording_scopes(_variables_at(error, last))
-    saved = ""
+    outcome = ""
     if scopes and (figure is not None or signals is not None):
         until = f"until t = {max(scope.recording_time[-1] for scope in scopes):.9g} s"
         try:
             save(figure, signals, scopes, until)
-            saved = f"; the recording {until} is saved"
+            outcome = f"; the recording {until} is saved"
         except BlocksError as failure:
-            saved = f"; the recording {until} is not completely saved: {failure}"
+            outcome = f"; the recording {until} is not completely saved: {failure}"
     if isinstance(error, (BlocksError, KeyboardInterrupt)) or directory_is_gone():
-        return report(error, saved)
+        return report(error, outcome)
     if isinstance(error, SyntaxError):
         line = f":{error.lineno}" if error.lineno else ""
         message = f"{error.filename or script}{line}: {error.msg}"
     else:
         message = f"{script}: {type(error).__name__}: {error}"
-        inside = error.__traceback__
-        while inside is not None and inside.tb_frame.f_code.co_filename != str(script):
-            inside = inside.tb_next
-        if inside is not None:
+        call = error.__traceback__
+        while call is not None and call.tb_frame.f_code.co_filename != str(script):
+            call = call.tb_next
+        if call is not None:
             # an error in the script: show its lines, as python does
-            traceback.print_exception(type(error), error, inside)
+            traceback.print_exception(type(error), error, call)
             message = f"{script} failed"
-    tell(message + saved)
+    tell(message + outcome)
     return 1
 
 

@@ -164,9 +164,9 @@ class DaveModel:
             if a shot omits an input, or a variable has no value in it
         """
         checks = []
-        for shot, inputs, expected in self._shots:
+        for shot, inputs, answers in self._shots:
             results = self.evaluate(inputs)
-            checks += [Check(shot, name, x, results[name], tol) for name, x, tol in expected]
+            checks += [Check(shot, name, x, results[name], tol) for name, x, tol in answers]
         return checks
 
     def _evaluated(self, values: Sequence[float]) -> list[float]:
@@ -278,10 +278,10 @@ def _shots(root: Element, model: DaveModel) -> Iterator[tuple[str, dict[str, flo
 
     for shot in (shot for data in root.all("checkData") for shot in data.all("staticShot")):
         settings = dict(read(x, inputs) for x in shot.one("checkInputs").all("signal"))
-        expected = []
+        results = []
         parts = shot.all("internalValues", "checkOutputs")
         for signal in (signal for part in parts for signal in part.all("signal")):
             name, value = read(signal, outputs)
             tolerances = [abs(x.parse(x.text)) for x in signal.all("tol")]
-            expected.append((name, value, max(tolerances, default=_ROUNDING * abs(value))))
-        yield shot.attributes.get("name", f"line {shot.line}"), settings, expected
+            results.append((name, value, max(tolerances, default=_ROUNDING * abs(value))))
+        yield shot.attributes.get("name", f"line {shot.line}"), settings, results

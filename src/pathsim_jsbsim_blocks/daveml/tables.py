@@ -38,8 +38,8 @@ class Axis:
 
     def __post_init__(self) -> None:
         points, n = self.points, len(self.points)
-        held = [x if self.below else max(x, points[0]) for x in (self.low, self.high)]
-        self._least, self._most = (x if self.above else min(x, points[-1]) for x in held)
+        limits = [x if self.below else max(x, points[0]) for x in (self.low, self.high)]
+        self._least, self._most = (x if self.above else min(x, points[-1]) for x in limits)
         self._middles = [(a + b) / 2 for a, b in itertools.pairwise(points)]
         self._spline: Any = None
         if n > 1 and self.method in _ORDERS:
@@ -173,7 +173,7 @@ def _scattered(data: Element, variables: Sequence[Element]) -> Table:
 
 
 def _axis(variable: Element, at: Element, points: list[float]) -> Axis:
-    beyond = variable.get("extrapolate", "neither", "min", "max", "both")
+    sides = variable.get("extrapolate", "neither", "min", "max", "both")
     method = variable.get("interpolate", *_METHODS)
     if not points or any(a >= b for a, b in itertools.pairwise(points)):
         raise at.error(f"breakpoints must increase, not {points}"[:200])
@@ -182,4 +182,4 @@ def _axis(variable: Element, at: Element, points: list[float]) -> Axis:
     low, high = variable.number("min", -math.inf), variable.number("max", math.inf)
     if low > high:
         raise variable.error(f"min {low:g} is above max {high:g}")
-    return Axis(points, method, beyond in ("min", "both"), beyond in ("max", "both"), low, high)
+    return Axis(points, method, sides in ("min", "both"), sides in ("max", "both"), low, high)

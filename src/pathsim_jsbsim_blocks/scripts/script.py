@@ -119,24 +119,24 @@ def main_program(path: Path, name: str = "__main__") -> Iterator[types.ModuleTyp
     module = types.ModuleType(name)
     module.__file__ = str(path)
     folder = path.resolve().parent
-    before = dict(sys.modules)
+    modules = dict(sys.modules)
     with (
         patch.object(sys, "argv", [str(path)]),
         patch.object(sys, "path", [str(folder), *sys.path]),
     ):
         # classes that a script defines look up their module by name
-        if name == "__main__" or name not in before:
+        if name == "__main__" or name not in modules:
             sys.modules[name] = module
         try:
             yield module
         finally:
             sys.modules.pop(name, None)
             # unload them: another script's folder may have other modules of the same names
-            for imported in list(sys.modules):
-                if imported.partition(".")[0] not in before and is_beside(folder, imported):
-                    del sys.modules[imported]
-            if name in before:
-                sys.modules[name] = before[name]
+            for entry in list(sys.modules):
+                if entry.partition(".")[0] not in modules and is_beside(folder, entry):
+                    del sys.modules[entry]
+            if name in modules:
+                sys.modules[name] = modules[name]
 
 
 def is_beside(folder: Path, module: str) -> bool:

@@ -35,7 +35,7 @@ class SettingError(ParameterError):
 class Text(str):
     """A value as typed on the command line; the value that it replaces decides how to read it."""
 
-    def read(self, name: str, replaced: Any) -> Any:
+    def read(self, name: str, original: Any) -> Any:
         """The value: a number, list, ... in Python's notation, such as ``1/120``, or the text."""
         text = str(self)
         try:
@@ -46,14 +46,14 @@ class Text(str):
             value = eval(compile(tree, "<setting>", "eval"), {"__builtins__": {}})
         except (SyntaxError, ValueError, TypeError, ArithmeticError, MemoryError, RecursionError):
             value = ...
-        if isinstance(replaced, str):
+        if isinstance(original, str):
             # "737" is an aircraft
             return value if isinstance(value, (str, dict, list, tuple)) else text
         if value is ...:
-            if replaced is None or replaced is inspect.Parameter.empty:
+            if original is None or original is inspect.Parameter.empty:
                 return text
             why = f"{text!r} is not a Python value such as 3.5, 1/120, True or [1, 2]"
-            refuse(name, text, f"cannot set {name!r}: {why}; it replaces {replaced!r}")
+            refuse(name, text, f"cannot set {name!r}: {why}; it replaces {original!r}")
         return value
 
 
@@ -106,8 +106,8 @@ class Settings:
             if variable not in constants:
                 candidates = [
                     f"{block}.{variable}"
-                    for block, own in calls.items()
-                    if any(k.arg == variable for call in own for k in call.keywords)
+                    for block, nodes in calls.items()
+                    if any(k.arg == variable for call in nodes for k in call.keywords)
                 ]
                 reason = f"{self._script} has no constant {variable!r} that it assigns once"
                 names = [name for name in constants if name not in calls]
@@ -120,14 +120,14 @@ class Settings:
         lines = [node.lineno for node in stores if ast.unparse(node) == name]
         return f"{self._script} sets it itself, in line {lines[0]}" if lines else ""
 
-    def constant(self, name: str, replaced: Any) -> Any:
+    def constant(self, name: str, original: Any) -> Any:
         """The value of a constant, instead of the script's."""
-        if isinstance(replaced, (Block, Connection, Event, Simulation)):
-            parameters = _named(inspect.signature(type(replaced)))
+        if isinstance(original, (Block, Connection, Event, Simulation)):
+            parameters = _named(inspect.signature(type(original)))
             example = f", such as {name}.{next(iter(parameters))}" if parameters else ""
-            kind = type(replaced).__name__
+            kind = type(original).__name__
             self._refuse(name, f"it is of class {kind}: set one of its parameters{example}")
-        return self._taken(name, replaced)
+        return self._taken(name, original)
 
     def arguments(
         self, variable: str, make: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]
@@ -149,8 +149,8 @@ class Settings:
         for parameter in names:
             name = f"{variable}.{parameter}"
             if parameter in parameters:
-                replaced = bound.arguments.get(parameter, parameters[parameter].default)
-                bound.arguments[parameter] = self._taken(name, replaced)
+                original = bound.arguments.get(parameter, parameters[parameter].default)
+                bound.arguments[parameter] = self._taken(name, original)
             elif parameter in options:
                 options[parameter] = self._taken(name, options[parameter])
             else:
@@ -159,10 +159,10 @@ class Settings:
                 self._refuse(name, reason + _listed(parameter, [*parameters, *options]))
         return bound.args, bound.kwargs
 
-    def _taken(self, name: str, replaced: Any) -> Any:
+    def _taken(self, name: str, original: Any) -> Any:
         self._waiting.discard(name)
         value = self._values[name]
-        return value.read(name, replaced) if isinstance(value, Text) else value
+        return value.read(name, original) if isinstance(value, Text) else value
 
     def refuse_unused(self) -> None:
         """Raise for a setting whose line the script did not execute."""

@@ -130,13 +130,13 @@ def run_batch(
         values = dict.fromkeys(x for row in rows for x in row.values() if isinstance(x, str))
         if measure is None:
             return {"cases": rows, **of_function("build", build, (), values)}
-        own = of_function("measure", measure, [script.parent], [*values, *roots])
-        return {"cases": rows, "build": script.name, "duration": duration, **own}
+        parts = of_function("measure", measure, [script.parent], [*values, *roots])
+        return {"cases": rows, "build": script.name, "duration": duration, **parts}
 
     results = run_parts(
         partial(_run_cases, run, measure or build),
         [[row] for row in rows],
-        died={"completed": False, "reason": WORKER_DIED},
+        death={"completed": False, "reason": WORKER_DIED},
         describe=lambda case: ", ".join(f"{key}={value!r}" for key, value in case.items()),
         title=f"run_batch {name}, {count} cases",
         job=job,
@@ -219,11 +219,11 @@ def _check_script(
 
 
 def _seeded(rows: list[dict[str, Any]], seed: int) -> list[dict[str, Any]]:
-    seeded = []
+    cases = []
     for i, child in enumerate(np.random.SeedSequence(seed).spawn(len(rows))):
-        drawn = rows[i].get("seed", int(child.generate_state(1)[0]))
-        seeded.append({**rows[i], "seed": integer(f"cases point {i}: seed", drawn, low=0)})
-    return seeded
+        number = rows[i].get("seed", int(child.generate_state(1)[0]))
+        cases.append({**rows[i], "seed": integer(f"cases point {i}: seed", number, low=0)})
+    return cases
 
 
 def _check(build: Any, rows: list[dict[str, Any]]) -> bool:
@@ -274,7 +274,7 @@ def _name(function: Any) -> str:
 def _run_case(run: Callable[..., Any], function: Any, case: dict[str, Any]) -> dict[str, Any]:
     from .._seeding import Seeding, outside_generators
 
-    outside = {x: (r, pickle.dumps(r)) for x, r in outside_generators(function).items()}
+    generators = {x: (r, pickle.dumps(r)) for x, r in outside_generators(function).items()}
     with Seeding(case["seed"]) as seeding:
         try:
             row = {
@@ -286,8 +286,8 @@ def _run_case(run: Callable[..., Any], function: Any, case: dict[str, Any]) -> d
             log.info("case %s failed", case, exc_info=True)
             reason = f"{type(error).__name__}: {error}".encode(errors="backslashreplace").decode()
             row = {"completed": False, "reason": reason}
-    for name, (generator, before) in outside.items():
-        if pickle.dumps(generator) != before:
+    for name, (generator, bytes_at_start) in generators.items():
+        if pickle.dumps(generator) != bytes_at_start:
             why = f"draws from {name!r}, which the cases of a worker share; use the case's own, "
             refuse("build", name, f"{_name(function)} {why}numpy.random.default_rng(seed)")
     return {"seed": case["seed"], **row} if seeding.used else row

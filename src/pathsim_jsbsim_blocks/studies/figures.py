@@ -321,9 +321,9 @@ def performance_chart(table: pd.DataFrame, title: str = "", charts: Sequence[str
                 )
             continue
         ax.set_axis_off()
-        failed = table[table.quantity.str.startswith("all of ")]
+        failures = table[table.quantity.str.startswith("all of ")]
         why = table[(table.chart == chart) & table.value.isna()]
-        reasons = map(str, (failed if why.empty else why).reason.unique())
+        reasons = map(str, (failures if why.empty else why).reason.unique())
         text = f"no {chart} chart:\n{', '.join(reasons) or 'not in the table'}"
         ax.text(0.5, 0.5, text, ha="center", wrap=True, transform=ax.transAxes)
     notes, flown = [_holes(table), _faults(table)], table.difference_percent.abs().dropna()
@@ -362,11 +362,11 @@ def _faults(table: pd.DataFrame) -> str:
 
 def _line(ax: Axes, rows: pd.DataFrame, x: str, y: str, style: str, **options: Any) -> None:
     """Values of a table, with hollow marks for those that break an invariant."""
-    (drawn,) = ax.plot(rows[x], rows[y], style, **options)
+    (curve,) = ax.plot(rows[x], rows[y], style, **options)
     hollow = rows[_is_fault(rows)]
     if len(hollow):
         face = ax.get_facecolor()
-        ax.plot(hollow[x], hollow[y], "o", color=drawn.get_color(), markerfacecolor=face)
+        ax.plot(hollow[x], hollow[y], "o", color=curve.get_color(), markerfacecolor=face)
 
 
 def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
@@ -431,10 +431,10 @@ def _load_factors(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str]) -> No
         sign = np.sign(line.load_factor.iloc[0])
         # CS 23.337: the negative limit holds up to VC
         end = max([*(ends if sign > 0.0 else ends[:1]), speed[-1]])
-        reached = largest.isin(line.load_factor).all()
-        if reached or sign < 0.0:
+        at_limit = largest.isin(line.load_factor).all()
+        if at_limit or sign < 0.0:
             corners[sign * n[-1]] = end
-        if reached:
+        if at_limit:
             speed, n = np.append(speed, end), np.append(n, n[-1])
             if sign > 0.0:
                 speeds["VA"] = line.value[-1:]

@@ -257,8 +257,8 @@ class Plane:
         slope = np.polyder(np.polyfit(at, height, 5))
         rate = float(np.polyval(slope, at[passage])) * 60.0 / _FLIGHT
         load, throttle = float(_load_factor(flight)[passage]), max(state.throttle, default=0.0)
-        curved = self.trim(state.speed, mode="pull-up", throttle=throttle, load_factor=load)
-        return rate + climb - climb_rate(curved) if curved else rate
+        pull_up = self.trim(state.speed, mode="pull-up", throttle=throttle, load_factor=load)
+        return rate + climb - climb_rate(pull_up) if pull_up else rate
 
     def lift_flown(self, start: TrimState | None, limit: TrimState, seconds: float) -> float | None:
         """Maximum lift coefficient in a pull to the limit's elevator, relative to the limit's.
@@ -271,8 +271,8 @@ class Plane:
         flight = self.fly(start, 2.0 * seconds, (up[1] - up[0]) / seconds)
         if flight is None:
             return None
-        stalled = flight["alpha"] >= math.radians(limit.alpha)
-        end = max(int(stalled.argmax()), 1) if stalled.any() else len(stalled)
+        is_stall = flight["alpha"] >= math.radians(limit.alpha)
+        end = max(int(is_stall.argmax()), 1) if is_stall.any() else len(is_stall)
         lift = (_load_factor(flight)[:end] / flight["q"][:end]).max()
         pressure = flight["q"][0] * (limit.tas / flight["v"][0]) ** 2
         pulls = limit.condition.mode == "pull-up"
@@ -295,23 +295,23 @@ def extremes(airframe: Airframe) -> list[float | None]:
     """Gross weights in lb: almost empty, the model's own (None), full tanks and payload."""
     empty, full, payload = _masses(airframe)
     light, heavy = empty + _LEAST_FUEL * sum(full), empty + sum(full) + sum(payload)
-    own = airframe.fdm["inertia/weight-lbs"]
-    return [x for x in (light, None, heavy) if x is None or abs(x / own - 1.0) > 0.02]
+    gross = airframe.fdm["inertia/weight-lbs"]
+    return [x for x in (light, None, heavy) if x is None or abs(x / gross - 1.0) > 0.02]
 
 
 def loading(airframe: Airframe, weight: float) -> dict[str, Any]:
     """Fuel, then payload, that make up a gross weight in lb: fields of a `TrimCondition`."""
     empty, full, payload = _masses(airframe)
-    tanks, carried = sum(full), sum(payload)
+    tanks, useful = sum(full), sum(payload)
     low, high = empty + _LEAST_FUEL * tanks, empty + tanks
-    high = _HEAVIEST * (high + carried) if payload else high
+    high = _HEAVIEST * (high + useful) if payload else high
     if not low - 0.5 <= weight <= high + 0.5:
         why = f"{airframe.aircraft} weighs from {low:,.0f} lb, almost without fuel and payload, to "
         refuse("weight", weight, f"{why}{high:,.0f} lb in a chart, not {weight:,.0f} lb")
-    part = min(max((weight - empty - carried) / tanks, _LEAST_FUEL), 1.0) if tanks else 0.0
-    rest = max(weight - empty - part * tanks, 0.0)
-    shares = [x / carried if carried else 1.0 / len(payload) for x in payload]
-    fields = {"fuel": [part * x for x in full], "payload": [rest * share for share in shares]}
+    part = min(max((weight - empty - useful) / tanks, _LEAST_FUEL), 1.0) if tanks else 0.0
+    remainder = max(weight - empty - part * tanks, 0.0)
+    shares = [x / useful if useful else 1.0 / len(payload) for x in payload]
+    fields = {"fuel": [part * x for x in full], "payload": [remainder * share for share in shares]}
     return {name: values for name, values in fields.items() if values}
 
 

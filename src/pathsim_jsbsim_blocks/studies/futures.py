@@ -97,10 +97,10 @@ def branch(futures: Iterable[Callable[[], Any]], jobs: int | None = None) -> lis
         numbers: dict[Fork, int] = {}
         # the first future without a result: those before it run to their end, so that the error
         # does not depend on which copy was faster
-        failed = len(functions)
+        failure = len(functions)
         start = 0
-        while start < failed or forks.running:
-            if start < failed and len(forks.running) < most:
+        while start < failure or forks.running:
+            if start < failure and len(forks.running) < most:
                 function = functions[start]
                 numbers[forks.start(partial(_run, function, state))] = start
                 start += 1
@@ -110,12 +110,12 @@ def branch(futures: Iterable[Callable[[], Any]], jobs: int | None = None) -> lis
             answers[number] = answer = _answer_of(fork)
             bar.update(1)
             if answer.error is not None or answer.reason:
-                failed = min(failed, number)
-                for later in [f for f, i in numbers.items() if i > failed]:
-                    del numbers[later]
-                    forks.kill(later)
-    if failed < len(functions):
-        _raise(failed, answers[failed])
+                failure = min(failure, number)
+                for successor in [f for f, i in numbers.items() if i > failure]:
+                    del numbers[successor]
+                    forks.kill(successor)
+    if failure < len(functions):
+        _raise(failure, answers[failure])
     return [answers[i].result for i in range(len(functions))]
 
 

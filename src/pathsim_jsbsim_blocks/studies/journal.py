@@ -101,9 +101,11 @@ def _checksum(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:16]
 
 
-def _differences(before: Mapping[str, str], now: Mapping[str, str]) -> str:
-    names = sorted(x for x in {*before, *now} if before.get(x) != now.get(x))
-    kinds = ("new" if x not in before else "missing" if x not in now else "changed" for x in names)
+def _differences(past: Mapping[str, str], present: Mapping[str, str]) -> str:
+    names = sorted(x for x in {*past, *present} if past.get(x) != present.get(x))
+    kinds = (
+        "new" if x not in past else "missing" if x not in present else "changed" for x in names
+    )
     return ", ".join(f"{name} is {kind}" for name, kind in zip(names[:10], kinds, strict=False))
 
 
@@ -131,14 +133,14 @@ def of_files(ending: str, folders: Iterable[Path]) -> dict[str, str]:
     return sums
 
 
-def _files(ending: str, folder: Path, above: tuple[Path, ...] = ()) -> Iterator[Path]:
+def _files(ending: str, folder: Path, parents: tuple[Path, ...] = ()) -> Iterator[Path]:
     """Files below a folder, in order, without hidden folders and virtual environments."""
-    above = (*above, folder.resolve())  # following a link to one would never end
+    parents = (*parents, folder.resolve())  # following a link to one would never end
     for path in sorted(folder.iterdir()):
         if path.name.endswith(ending) and path.is_file():
             yield path
-        elif path.is_dir() and path.name[0] != "." and path.resolve() not in above:
-            yield from () if (path / "pyvenv.cfg").exists() else _files(ending, path, above)
+        elif path.is_dir() and path.name[0] != "." and path.resolve() not in parents:
+            yield from () if (path / "pyvenv.cfg").exists() else _files(ending, path, parents)
 
 
 def of_models(values: Iterable[Any]) -> dict[str, str]:
@@ -151,15 +153,15 @@ def of_models(values: Iterable[Any]) -> dict[str, str]:
 def of_function(label: str, function: Any, folders: Any = (), values: Any = ()) -> dict[str, Any]:
     """Parts of a key for a function of a file, with further folders of code and arguments."""
     partial = function if isinstance(function, functools.partial) else functools.partial(function)
-    own: Any = partial.func
-    scope, name = getattr(own, "__globals__", {}), getattr(own, "__qualname__", "")
-    plain = inspect.isfunction(own) and not own.__closure__ and scope.get(name) is own
-    if not plain or own.__code__.co_filename != scope.get("__file__"):
+    target: Any = partial.func
+    scope, name = getattr(target, "__globals__", {}), getattr(target, "__qualname__", "")
+    plain = inspect.isfunction(target) and not target.__closure__ and scope.get(name) is target
+    if not plain or target.__code__.co_filename != scope.get("__file__"):
         why = "not a lambda, method, closure, or function of a notebook"
         refuse("resume", function, f"with resume, {label} must be a function of a file, {why}")
     joblib = required("joblib", "studies")
     try:
-        bound = inspect.signature(own).bind_partial(*partial.args, **partial.keywords)
+        bound = inspect.signature(target).bind_partial(*partial.args, **partial.keywords)
         parts = {f"argument {n}": joblib.hash(x) for n, x in bound.arguments.items()}
     except Exception as error:
         refuse("resume", function, f"the arguments of {label} cannot be compared: {error}")

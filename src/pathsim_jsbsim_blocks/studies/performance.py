@@ -94,19 +94,19 @@ def _curve(
     An airspeed without trim between others is a row of the quantity ``drawn``, with its reason.
     """
     states: list[TrimState] = []
-    missed: list[tuple[float, str]] = []
+    misses: list[tuple[float, str]] = []
     plane.reason = "no engine"
     if plane.airframe.engines or find == plane.glide:
         for speed in speeds:
             state = find(speed)
             if state is None:
-                missed.append((speed, plane.reason))
-                if len(missed) == _FAILURES:
+                misses.append((speed, plane.reason))
+                if len(misses) == _FAILURES:
                     break
                 continue
-            for other, reason in missed if states else ():
-                plane.put(drawn, None, other, reason=reason)
-            missed = []
+            for miss, reason in misses if states else ():
+                plane.put(drawn, None, miss, reason=reason)
+            misses = []
             states.append(state)
     for quantity in () if states else quantities:
         plane.put(quantity, None)
@@ -160,18 +160,18 @@ def _burn(plane: Plane, level: TrimState) -> None:
     weight, step = flight["w"], _BURN / len(flight["w"])
     # until a tank runs dry (Concorde) or the aircraft leaves its airspeed (XB-70)
     stays = abs(flight["vc"][1:] / level.speed - 1.0) < 0.01
-    fed = np.flatnonzero(stays & (-np.diff(weight) > 0.9 * step * flight["fuel"][1:]))
-    if not len(fed):
+    burns = np.flatnonzero(stays & (-np.diff(weight) > 0.9 * step * flight["fuel"][1:]))
+    if not len(burns):
         why = "the flight does not stay at the condition"
         plane.put("specific range", None, level.speed, reason=why)
         return
-    end = int(fed[-1]) + 1
+    end = int(burns[-1]) + 1
     begin = (end + 1) // 2
-    flow, lost = 3600.0 * float(flight["fuel"][end]), float(weight[begin] - weight[end])
+    flow, burn = 3600.0 * float(flight["fuel"][end]), float(weight[begin] - weight[end])
     way = float(flight["v"][begin:end].sum()) * step / KNOT / 3600.0
     plane.put("fuel flow", flow, level.speed)
     plane.put("specific range", level.tas / KNOT / flow, level.speed)
-    plane.flown(way / lost if lost > 0.0 else None)
+    plane.flown(way / burn if burn > 0.0 else None)
 
 
 def _climbs(plane: Plane, climbs: Sequence[TrimState]) -> None:
@@ -211,12 +211,14 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
         plane.put("best glide ratio", _lift_over_drag(far), far.speed)
         plane.flown(rate and _lift_over_drag(far, math.degrees(math.asin(rate / 60.0 / far.tas))))
     plane.put("least sink rate", -climb_rate(slow), slow.speed)
-    used = [s for s in glides if s.mach < 0.6 and s.alpha < glides[0].alpha - 3.0]
-    if len(used) < 3 or plane.area <= 0.0:
+    low_speed = [s for s in glides if s.mach < 0.6 and s.alpha < glides[0].alpha - 3.0]
+    if len(low_speed) < 3 or plane.area <= 0.0:
         return
-    force = np.array([0.5 * RHO0 * plane.light * s.tas**2 * plane.area for s in used])
-    alpha, gamma = (np.radians([getattr(s, name) for s in used]) for name in ("alpha", "gamma"))
-    thrust = np.array([s.thrust for s in used])
+    force = np.array([0.5 * RHO0 * plane.light * s.tas**2 * plane.area for s in low_speed])
+    alpha, gamma = (
+        np.radians([getattr(s, name) for s in low_speed]) for name in ("alpha", "gamma")
+    )
+    thrust = np.array([s.thrust for s in low_speed])
     lift = (plane.weight * np.cos(gamma) - thrust * np.sin(alpha)) / force
     drag = (thrust * np.cos(alpha) - plane.weight * np.sin(gamma)) / force
     induced, zero = np.polyfit(lift**2, drag, 1)
@@ -275,9 +277,9 @@ def _ceilings(plane: Plane) -> None:
             plane.put(f"{name} ceiling", None, reason=why)
             continue
         ceiling = brentq(partial(over, limit), order[high - 1], order[high], xtol=10.0)
-        lost = any(rates[h] == -math.inf for h in rates if abs(h - ceiling) < 20.0)
+        no_climb = any(rates[h] == -math.inf for h in rates if abs(h - ceiling) < 20.0)
         at: Row = {"altitude_ft": ceiling, "speed": best.speed if best else math.nan}
-        plane.put(f"{name} ceiling", ceiling, **at, reason=plane.reason if lost else "")
+        plane.put(f"{name} ceiling", ceiling, **at, reason=plane.reason if no_climb else "")
 
 
 def _turns(plane: Plane) -> None:
@@ -309,8 +311,8 @@ def _turns(plane: Plane) -> None:
 
 def _turn_load(turn: TrimState) -> float:
     """Load factor: force across the path over weight, from turn rate and path angle."""
-    across = turn.tas * math.radians(turn.turn_rate) / GRAVITY
-    return math.cos(math.radians(turn.gamma)) * math.hypot(1.0, across)
+    centripetal = turn.tas * math.radians(turn.turn_rate) / GRAVITY
+    return math.cos(math.radians(turn.gamma)) * math.hypot(1.0, centripetal)
 
 
 def _steepest(
@@ -484,19 +486,19 @@ def performance_table(
     common: Row = {"aircraft": airframe.aircraft, "root": root, "flaps": None}
     common["create"] = airframe.created
     common |= {"altitude": at[0], "weight": loadings[0]}
-    chosen = {one_of("parts", part, _PARTS) for part in name_list("parts", parts)}
-    if not chosen:
+    selection = {one_of("parts", part, _PARTS) for part in name_list("parts", parts)}
+    if not selection:
         refuse("parts", parts, "no parts")
     tasks = [{**common, "part": "level", "altitude": h, "weight": w} for w in loadings for h in at]
     tasks += [{**common, "part": part} for part in ("turn", "V-n", "field")]
     tasks += [{**common, "part": "ceiling", "weight": w} for w in loadings]
     loads = extremes(airframe) if weights is None else loadings
     tasks += [{**common, "part": "stall", "weight": w, "flaps": f} for w in loads for f in settings]
-    tasks = [task for task in tasks if task["part"] in chosen]
+    tasks = [task for task in tasks if task["part"] in selection]
     results = run_parts(
         _work,
         [[task] for task in tasks],
-        died={"rows": [{"quantity": "all of a part", "reason": WORKER_DIED}]},
+        death={"rows": [{"quantity": "all of a part", "reason": WORKER_DIED}]},
         describe=lambda task: f"{aircraft}: {task['part']} at {task['altitude']:g} ft",
         title=f"charts of {aircraft}",
         job=lambda: {"aircraft": aircraft, "parts": tasks, **of_models([root])},

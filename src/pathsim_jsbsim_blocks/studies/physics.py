@@ -36,12 +36,12 @@ def mark_faults(table: pd.DataFrame, unsupercharged: bool = False) -> pd.DataFra
         whether all engines are piston engines without a supercharger
     """
     texts = dict.fromkeys(table.index, "")
-    valued = table.dropna(subset=["value"])
-    stall = valued[valued.quantity == "stall speed"]
+    numbers = table.dropna(subset=["value"])
+    stall = numbers[numbers.quantity == "stall speed"]
     pairs = {pair: _HEAVY for pair in _falls(stall, "flaps_norm", "weight_lb")}
     pairs |= {pair: _FLAPS for pair in _falls(stall, "weight_lb", "flaps_norm", -1.0)}
     if unsupercharged:
-        climbs = valued[valued.quantity == "best rate of climb"]
+        climbs = numbers[numbers.quantity == "best rate of climb"]
         pairs |= {pair: _CLIMB for pair in _falls(climbs, "weight_lb", "altitude_ft", -1.0)}
     gave_up = table.reason == GAVE_UP
     while pairs:
@@ -51,12 +51,12 @@ def mark_faults(table: pd.DataFrame, unsupercharged: bool = False) -> pd.DataFra
         for pair, text in pairs.items():
             texts.update(dict.fromkeys(worst.intersection(pair), text))
         pairs = {pair: text for pair, text in pairs.items() if not worst.intersection(pair)}
-    sinks = valued[valued.quantity.isin(["sink rate", "least sink rate"])]
+    sinks = numbers[numbers.quantity.isin(["sink rate", "least sink rate"])]
     for row in sinks.index[sinks.value < 0.0]:
         texts[row] = "it climbs with the throttle closed"
     lift = table.quantity == "speed at the lift limit"
     limit = table[lift].load_factor.astype(float).max()
-    turns = valued[valued.quantity.isin(["sustained load factor", "instantaneous load factor"])]
+    turns = numbers[numbers.quantity.isin(["sustained load factor", "instantaneous load factor"])]
     for row in turns.index[turns.value > limit + 1e-6]:
         texts[row] = f"above the limit load factor, {limit:.2g} g"
     table["fault"] = [*texts.values()]
@@ -69,7 +69,7 @@ def _falls(rows: pd.DataFrame, group: str, order: str, sign: float = 1.0) -> Ite
     for _, part in rows.groupby(group):
         part = part.sort_values(order)
         values = zip(part.index, part.value, strict=True)
-        for (i, one), (j, other) in combinations(values, 2):
-            high, low = (one, other) if sign > 0.0 else (other, one)
+        for (i, one), (j, two) in combinations(values, 2):
+            high, low = (one, two) if sign > 0.0 else (two, one)
             if high > max(low * _ACCURACY, low):
                 yield i, j

@@ -167,9 +167,9 @@ def thrust_vectoring(
     }
     solver = _solver(aircraft, "737")
     angles = np.linspace(0.0, 10.0, 100).tolist()
-    turned = [f"propulsion/engine[{i}]/pitch-angle-rad" for i in range(Airframe(aircraft).engines)]
+    nozzles = [f"propulsion/engine[{i}]/pitch-angle-rad" for i in range(Airframe(aircraft).engines)]
     grid: list[dict[str, Any]] = [
-        {**condition, **solver, **dict.fromkeys(turned, math.radians(angle))}
+        {**condition, **solver, **dict.fromkeys(nozzles, math.radians(angle))}
         for condition in cases.values()
         for angle in angles
     ]

@@ -256,18 +256,18 @@ def _moved(model: Mapping[str, Any], condition: TrimCondition) -> dict[str, Any]
         effects = tuple(command_effects(Airframe(**model), condition))
     except BlocksError as error:
         return {"condition": condition, "faults": (_fault("commands", str(error), "trim"),)}
-    own = " (the model writes it itself)"
+    note = " (the model writes it itself)"
     idle = [
-        f"{e.properties[0]} has no effect on {e.acceleration}{own * e.written_by_model}"
+        f"{e.properties[0]} has no effect on {e.acceleration}{note * e.written_by_model}"
         for e in effects
         if not e.moves
     ]
-    turned = [
+    angles = [
         f"{effect.properties[0]} changes {effect.acceleration} with the opposite sign"
         for effect in effects
         if effect.moves and effect.size * _SIGNS[effect.acceleration] < 0.0
     ]
-    texts = {"commands": "; ".join(idle), "signs": "; ".join(turned)}
+    texts = {"commands": "; ".join(idle), "signs": "; ".join(angles)}
     faults = tuple(_fault(subject, text) for subject, text in texts.items() if text)
     return {"condition": condition, "effects": effects, "faults": faults}
 

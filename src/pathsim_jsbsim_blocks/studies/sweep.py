@@ -102,24 +102,24 @@ def trim_sweep(
     outputs = list(dict.fromkeys(property_list("outputs", outputs)))
     chunk = integer("chunk", chunk, low=1)
     airframe = partial(Airframe, aircraft, root=root)
-    created = _try_out(partial(airframe, create=create), conditions, outputs)
-    airframe = partial(airframe, create=created)
+    properties = _try_out(partial(airframe, create=create), conditions, outputs)
+    airframe = partial(airframe, create=properties)
     order = sorted(range(len(points)), key=lambda i: _place(conditions[i]))
-    ordered = [conditions[i] for i in order]
+    chain = [conditions[i] for i in order]
     rows = run_parts(
         partial(_trim_points, airframe, tuple(outputs)),
-        _chunks(ordered, chunk),
-        died={"trimmed": False, "reason": WORKER_DIED},
+        _chunks(chain, chunk),
+        death={"trimmed": False, "reason": WORKER_DIED},
         describe=lambda condition: f"{aircraft}: {condition}",
         title=f"trim_sweep {aircraft}, {count} points",
         job=lambda: {
             "aircraft": str(aircraft),
             "root": root and str(root),
-            "create": created,
+            "create": properties,
             "outputs": outputs,
             "chunk": chunk,
             "chain": _CHAIN,
-            "conditions": [dataclasses.asdict(c) for c in ordered],
+            "conditions": [dataclasses.asdict(c) for c in chain],
             **of_models([root]),
         },
         jobs=jobs,
@@ -160,13 +160,13 @@ def _chunks(conditions: list[TrimCondition], size: int) -> list[list[TrimConditi
     """The conditions in order, cut between chains; a new structure begins a new chain."""
     size = math.ceil(size / _CHAIN) * _CHAIN
     chunks: list[list[TrimCondition]] = []
-    before = None
+    previous = None
     for condition in conditions:
-        now = (structure(condition), condition.empty_cg_x)
-        if now != before or len(chunks[-1]) == size:
+        key = (structure(condition), condition.empty_cg_x)
+        if key != previous or len(chunks[-1]) == size:
             chunks.append([])
         chunks[-1].append(condition)
-        before = now
+        previous = key
     return chunks
 
 

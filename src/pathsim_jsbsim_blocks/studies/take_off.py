@@ -131,8 +131,8 @@ class TakeOff:
 
     def row(self) -> dict[str, float]:
         """Time, and place relative to the end of the runway."""
-        end, now = place(*END), self._here()
-        offset = [b - a for a, b in zip(end.position, now.position, strict=True)]
+        end, position = place(*END), self._here()
+        offset = [b - a for a, b in zip(end.position, position.position, strict=True)]
         north, east = (sum(map(float.__mul__, offset, axis)) for axis in (end.north, end.east))
         return {
             "time_s": round(self.sim.time, 6),
@@ -140,5 +140,5 @@ class TakeOff:
             "east_ft": east,
             "height_ft": float(self.plane.outputs["h"]),
             "speed_kcas": float(self.plane.outputs["vc"]),
-            "distance_ft": distance(end, now),
+            "distance_ft": distance(end, position),
         }

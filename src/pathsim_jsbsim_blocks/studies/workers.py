@@ -40,7 +40,7 @@ def run_parts(
     work: Work,  # must not raise for a point that merely fails
     parts: list[Part],  # points that one worker computes in order
     *,
-    died: Row,  # row for a point that kills its worker
+    death: Row,  # row for a point that kills its worker
     describe: Callable[[Any], str],  # text of a point, for messages
     title: str,  # text of the study
     job: Callable[[], Mapping[str, Any]],  # all that rows depend on, as plain data by name
@@ -67,12 +67,12 @@ def run_parts(
     points, done = _points(parts), _points(rows.values())
     try:
         bar = tqdm(total=points, initial=done, desc=title, unit=" points", disable=not progress)
-        computed = _computed(work, parts, {*rows}, died, describe, jobs)
-        with bar, contextlib.closing(computed) as results:
+        stream = _computed(work, parts, {*rows}, death, describe, jobs)
+        with bar, contextlib.closing(stream) as results:
             for index, result in results:
                 rows[index] = result
                 # a resumed study tries the points again that killed a worker
-                if journal and died not in result:
+                if journal and death not in result:
                     journal.write([index, result])
                 bar.update(len(result))
     except KeyboardInterrupt:
@@ -93,28 +93,28 @@ def _points(parts: Iterable[list[Any]]) -> int:
 def _computed(
     work: Work,
     parts: list[Part],
-    finished: set[int],
-    died: Row,
+    done: set[int],
+    death: Row,
     describe: Callable[[Any], str],
     jobs: int,
 ) -> Generator[tuple[int, list[Row]]]:
     """Index and rows of each unfinished part; parts whose worker dies are repeated one by one."""
-    while pending := [i for i in range(len(parts)) if i not in finished]:
+    while pending := [i for i in range(len(parts)) if i not in done]:
         suspects = []
         # no more workers than parts: each takes seconds to start
         for index, result in _results(work, parts, pending, min(jobs, len(parts))):
             if result is _DIED:
                 suspects.append(index)
             else:
-                finished.add(index)
+                done.add(index)
                 yield index, result
         if suspects:
             points = "; ".join(_span(parts[i], describe) for i in suspects)
             died_at = f"a worker process died while it computed these points: {points}"
             warn_user(f"{died_at}. They are computed again, one part at a time")
         for index in suspects:
-            finished.add(index)
-            yield index, _alone(work, parts[index], died, describe)
+            done.add(index)
+            yield index, _alone(work, parts[index], death, describe)
 
 
 def _span(part: Part, describe: Callable[[Any], str]) -> str:
@@ -122,15 +122,15 @@ def _span(part: Part, describe: Callable[[Any], str]) -> str:
     return f"{describe(part[0])}{more}"
 
 
-def _alone(work: Work, part: Part, died: Row, describe: Callable[[Any], str]) -> list[Row]:
+def _alone(work: Work, part: Part, death: Row, describe: Callable[[Any], str]) -> list[Row]:
     """Rows of a part computed on its own, to find the point that kills its worker."""
     [(_, result)] = _results(work, [part], [0], 2)
     if result is not _DIED:
         return result
     if len(part) == 1:
         warn_user(f"{WORKER_DIED} at {describe(part[0])}")
-        return [died]
-    return [row for point in part for row in _alone(work, [point], died, describe)]
+        return [death]
+    return [row for point in part for row in _alone(work, [point], death, describe)]
 
 
 def _results(work: Work, parts: list[Part], pending: list[int], jobs: int) -> Iterator[Any]:
@@ -189,11 +189,11 @@ def _ctrl_c_waits() -> Iterator[None]:
         yield
         return
     resource_tracker.ensure_running()  # loky needs it; started later, it would unblock the signal
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _begin_worker(caller: int, folder: str) -> None:
