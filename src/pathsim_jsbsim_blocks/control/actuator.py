@@ -16,9 +16,9 @@ from .pid import clip
 
 
 class ActuatorState(NamedTuple):
-    """State of an `Actuator`; ``initialised`` is False before the first sample."""
+    """State of an `Actuator`; ``has_value`` is False before the first sample."""
 
-    initialised: bool = False
+    has_value: bool = False
     y: float = 0.0
     rate: float = 0.0
 
@@ -109,17 +109,17 @@ class Actuator(SampledLaw):
         return ActuatorState()
 
     def law(self, u: list[float], state: ActuatorState) -> tuple[list[float], ActuatorState]:
-        initialised, y, rate = state
-        if not initialised:
+        has_value, y, rate = state
+        if not has_value:
             y = self._initial
         command = clip(u[0], self._low, self._high)
         (a, b), (c, d) = self._transition
         distance = y - command
-        moved = command + a * distance + b * rate
-        moved = clip(moved, y - self._farthest, y + self._farthest)
+        target = command + a * distance + b * rate
+        target = clip(target, y - self._farthest, y + self._farthest)
         new_rate = clip(c * distance + d * rate, -self._max_rate, self._max_rate)
         # a limit moved past the position acts as a command, not as a jump
-        position = clip(moved, min(self._low, y), max(self._high, y))
-        if position != moved:
+        position = clip(target, min(self._low, y), max(self._high, y))
+        if position != target:
             new_rate = 0.0
         return [y, rate, u[0] - command], ActuatorState(True, position, new_rate)

@@ -127,18 +127,18 @@ def read_gains(path: str | Path) -> GainSchedule:
     """
     path = Path(path)
     try:
-        written = path.stat().st_mtime_ns
+        time_of_change = path.stat().st_mtime_ns
     except OSError as cause:
-        beside = [other.name for other in path.parent.glob("*.json")]
-        close = nearest(path.name, [*beside, *tables()], 1)
+        neighbours = [file.name for file in path.parent.glob("*.json")]
+        close = nearest(path.name, [*neighbours, *tables()], 1)
         raise FileError("read", path, cause, did_you_mean(close)) from cause
     except ValueError as cause:  # a null character
         refuse("gains", str(path), f"{str(path)!r} is not a path: {cause}")
-    return _read(path.absolute(), written)
+    return _read(path.absolute(), time_of_change)
 
 
 @functools.lru_cache(maxsize=64)
-def _read(path: Path, written: int) -> GainSchedule:
+def _read(path: Path, time_of_change: int) -> GainSchedule:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as cause:
@@ -247,8 +247,8 @@ def _one_loop(gains: Any, loop: str) -> Any:
             f"not {reprlib.repr(gains)}{_instead(gains)}",
         )
     fields = dataclasses.fields(kind)
-    needed = [f.name for f in fields if f.default is dataclasses.MISSING]
-    _check_keys(gains, [f.name for f in fields], needed, f"{loop} gain")
+    required_names = [f.name for f in fields if f.default is dataclasses.MISSING]
+    _check_keys(gains, [f.name for f in fields], required_names, f"{loop} gain")
     return kind(**gains)
 
 
@@ -261,7 +261,7 @@ def _instead(gains: Any) -> str:
     return ""
 
 
-def _check_keys(gains: Mapping, names: Any, needed: Any, what: str) -> None:
+def _check_keys(gains: Mapping, names: Any, required_names: Any, what: str) -> None:
     for name in gains:
         if name not in names:
             refuse(
@@ -270,6 +270,6 @@ def _check_keys(gains: Mapping, names: Any, needed: Any, what: str) -> None:
                 f"there is no {what} {name!r}; available: {', '.join(names)}"
                 + did_you_mean(nearest(str(name), names, 1)),
             )
-    missing = [name for name in needed if name not in gains]
+    missing = [name for name in required_names if name not in gains]
     if missing:
         refuse("gains", gains, f"{what} missing: {', '.join(missing)}")

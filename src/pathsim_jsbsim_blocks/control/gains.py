@@ -8,7 +8,7 @@ import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal, get_type_hints
+from typing import Any, Literal, NamedTuple, get_type_hints
 
 from .._core.checks import integer, known_keywords, number, positive, refuse
 
@@ -355,21 +355,20 @@ class GainSchedule:
         Without an altitude the nominal point's is used; for an airspeed of 0 the nominal point.
         """
         if vc == 0.0:
-            return self.nominal, self.nominal, 0.0, self.nominal, self.nominal, 0.0, 0.0
+            nominal = Between(self.nominal, self.nominal, 0.0)
+            return Place(nominal, nominal, 0.0)
         altitudes, levels = self._levels
-        below, above, up = _between(altitudes, self._nominal_altitude if h is None else h)
-        return (*_on(levels[below], vc), *_on(levels[above], vc), up)
+        lower, upper, up = _between(altitudes, self._nominal_altitude if h is None else h)
+        return Place(_on(levels[lower], vc), _on(levels[upper], vc), up)
 
     def gains_at(self, loop: str, place: Place) -> Any:
         """The gains of a loop at a place; not checked, because they lie between checked numbers."""
-        slower, faster, along, slower_above, faster_above, along_above, up = place
-        rows = self._numbers[loop]
-        corners = zip(
-            rows[slower], rows[faster], rows[slower_above], rows[faster_above], strict=True
-        )
+        rows, (lower, upper, up) = self._numbers[loop], place
+        points = lower.first, lower.second, upper.first, upper.second
+        corners = zip(*(rows[point] for point in points), strict=True)
         gains = object.__new__(LOOPS[loop])
         gains.__dict__.update(
-            (name, (low := a + along * (b - a)) + up * (c + along_above * (d - c) - low))
+            (name, (low := a + lower.part * (b - a)) + up * (c + upper.part * (d - c) - low))
             for name, (a, b, c, d) in zip(LOOPS[loop].__dataclass_fields__, corners, strict=True)
         )
         return gains
@@ -411,23 +410,33 @@ TableName = Literal[
 Gains = TableName | str | Mapping[str, Any] | _Gains | AircraftGains | GainSchedule
 
 
-# surrounding points: indices of the slower and faster one and the fraction between them, at the
-# altitude below and at the altitude above, and the fraction between the altitudes
-Place = tuple[int, int, float, int, int, float, float]
+class Between(NamedTuple):
+    """Indices of two neighbours, and the fraction of the way from the first to the second."""
+
+    first: int
+    second: int
+    part: float
 
 
-def _between(places: list[float], x: float) -> tuple[int, int, float]:
-    """Indices of the places below and above x, and the fraction between; constant beyond."""
-    above = bisect.bisect_left(places, x)
-    if above == 0:
-        return 0, 0, 0.0
-    if above == len(places):
-        return above - 1, above - 1, 0.0
-    below = above - 1
-    return below, above, (x - places[below]) / (places[above] - places[below])
+class Place(NamedTuple):
+    """The points around an airspeed at the altitudes below and above, and the fraction between."""
+
+    lower: Between
+    upper: Between
+    up: float
 
 
-def _on(level: tuple[int, list[float]], vc: float) -> tuple[int, int, float]:
-    first, speeds = level
-    slower, faster, along = _between(speeds, vc)
-    return first + slower, first + faster, along
+def _between(places: list[float], x: float) -> Between:
+    """The neighbours of x among sorted places; constant beyond the ends."""
+    i = bisect.bisect_left(places, x)
+    if i == 0:
+        return Between(0, 0, 0.0)
+    if i == len(places):
+        return Between(i - 1, i - 1, 0.0)
+    return Between(i - 1, i, (x - places[i - 1]) / (places[i] - places[i - 1]))
+
+
+def _on(level: tuple[int, list[float]], vc: float) -> Between:
+    start, speeds = level
+    first, second, part = _between(speeds, vc)
+    return Between(start + first, start + second, part)

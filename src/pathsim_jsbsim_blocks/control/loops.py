@@ -36,6 +36,14 @@ class ReferenceState(NamedTuple):
     law: PIDState = PID.START
 
 
+class LoopSample(NamedTuple):
+    """A sample of a `ReferenceLoop`."""
+
+    output: float  # increment of the actuator
+    reference: float
+    state: ReferenceState
+
+
 class ReferenceLoop:
     """Holds a measured value at a reference that moves no faster than a ramp.
 
@@ -81,17 +89,17 @@ class ReferenceLoop:
         feed: float = 0.0,
         highest: float = math.inf,  # maximum of the reference, without a ramp
         fastest: float = math.inf,  # maximum rate of the reference besides the ramp, unit per s
-    ) -> tuple[float, float, ReferenceState]:
+    ) -> LoopSample:
         """Actuator increment, reference and next state, from a measured value and its rate."""
-        initial, before, law = state
+        initial, previous, law = state
         pid, push = self.pid, 0.0
         if off or not law.engaged:
             initial = reference = y
         else:
-            reference = before
+            reference = previous
             if highest < reference:
                 # at full weight: with b < 1 the output would lag behind a falling limit
-                reference, push = highest, highest - before
+                reference, push = highest, highest - previous
             step = (fastest if fastest < self.ramp else self.ramp) * pid.T
             move = target - reference
             reference += step if move > step else -step if move < -step else move
@@ -104,9 +112,9 @@ class ReferenceLoop:
             error = reference - y
             measured += BEYOND * (error - clip(error, -self.band, self.band))
         u, law = pid.sample(
-            law, reference, measured, rate, self.sign * sat, off, 0.0, feed, before, push
+            law, reference, measured, rate, self.sign * sat, off, 0.0, feed, previous, push
         )
-        return self.sign * u, reference, ReferenceState(initial, reference, law)
+        return LoopSample(self.sign * u, reference, ReferenceState(initial, reference, law))
 
 
 def attitude_loop(
@@ -198,11 +206,11 @@ class HeadingLoop:
         bank_reference, law = self.pid.sample(law, error, 0.0, feed=bank)
         return bank_reference, HeadingState(initial, law, bank, slow_psi, slow_phi)
 
-    def _straight(self, bank: float, behind: float, phi: float, vt: float) -> float:
-        """The bank of straight flight; the filtered heading lags by ``behind`` deg."""
+    def _straight(self, bank: float, lag: float, phi: float, vt: float) -> float:
+        """The bank of straight flight; the filtered heading lags by ``lag`` deg."""
         if vt <= 0.0:
             return self.bank
-        turn = DEGREES * math.atan(vt / GRAVITY * RADIANS / self.RATE * behind)
+        turn = DEGREES * math.atan(vt / GRAVITY * RADIANS / self.RATE * lag)
         if abs(turn) < self.TURNS:
             bank += self._learning * (phi - turn - bank)
         return bank
@@ -254,7 +262,7 @@ class SpeedLoop:
         off: bool,
         boost: float = 0.0,
         feed: float = 0.0,
-    ) -> tuple[float, float, ReferenceState]:
+    ) -> LoopSample:
         """Throttle increment, reference in kt and next state; as in `ReferenceLoop`.
 
         ``hdot`` is the rate of climb to feed forward: the commanded one, because rising air raises
@@ -262,17 +270,17 @@ class SpeedLoop:
         integrated as an error would be, because it removes the error that the integral needs; not
         at the aircraft's limit. ``feed`` is added without being integrated.
         """
-        rest = sat - clip(sat, min(boost, 0.0), max(boost, 0.0))
+        excess = sat - clip(sat, min(boost, 0.0), max(boost, 0.0))
         u, reference, state = self.loop.sample(
-            state, vc, 0.0, target, keeps, rest, off, self.Kc * hdot + feed
+            state, vc, 0.0, target, keeps, excess, off, self.Kc * hdot + feed
         )
         if boost and not off:
             pid, law = self.pid, state.law
-            raised = clip(u + boost, pid.low, pid.high)
-            taken = pid.unwind * (raised - u) if sat == 0.0 else 0.0
-            law = law._replace(integral=law.integral + taken, u=raised)
-            u, state = raised, state._replace(law=law)
-        return u, reference, state
+            command = clip(u + boost, pid.low, pid.high)
+            integral = pid.unwind * (command - u) if sat == 0.0 else 0.0
+            law = law._replace(integral=law.integral + integral, u=command)
+            u, state = command, state._replace(law=law)
+        return LoopSample(u, reference, state)
 
 
 class YawState(NamedTuple):

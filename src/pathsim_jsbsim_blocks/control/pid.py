@@ -17,14 +17,14 @@ def clip(x: float, low: float, high: float) -> float:
 
 
 class PIDState(NamedTuple):
-    """State of a `PID`; while it is off, only ``u`` and ``held`` matter."""
+    """State of a `PID`; while it is off, only ``u`` and ``memory`` matter."""
 
-    sampled: bool = False  # y and slope are valid
+    has_slope: bool = False  # y and slope are valid
     engaged: bool = False
-    carried: bool = False  # the integral includes the proportional part
+    carries: bool = False  # the integral includes the proportional part
     integral: float = 0.0
     u: float = 0.0
-    held: float = 0.0  # while off the output without track, while engaged F
+    memory: float = 0.0  # while off the output without track, while engaged F
     y: float = 0.0
     slope: float = 0.0
 
@@ -117,7 +117,7 @@ class PID:
     @staticmethod
     def holding(u: float) -> PIDState:
         """State of a law that is off, with output ``u``."""
-        return PIDState(u=u, held=u)
+        return PIDState(u=u, memory=u)
 
     def sample(
         self,
@@ -154,19 +154,19 @@ class PID:
         push : float
             the part of the change of r that acts with full weight, as if b were 1
         """
-        sampled, engaged, carried, integral, u, held, y_last, slope = state
-        if sampled:
+        has_slope, engaged, carries, integral, u, memory, y_last, slope = state
+        if has_slope:
             slope += self._filter * ((y - y_last) / self.T - slope)
         if off:
-            offset = u - track if sampled and engaged else held
+            offset = u - track if has_slope and engaged else memory
             u = clip(offset + track, self.low, self.high)
             return u, PIDState(True, False, self.carry, 0.0, u, offset, y, slope)
 
         direct = self.Kp * (self.b * r - y) + feed
         damping = self.Kd * slope + self.Kr * rate
         if engaged:
-            fading = held
-            if carried:
+            fading = memory
+            if carries:
                 integral -= self.Kp * (self.b * r_last - y_last)
             if push:
                 integral += self.Kp * (1.0 - self.b) * push

@@ -84,12 +84,12 @@ class Sensor(SampledLaw):
         return (0,)
 
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
-        now = u[0]
-        k, x, last = state if len(state) > 1 else (0, now, now)
-        x = self._a * x + self._b * last + self._c * now if k else now
+        value = u[0]
+        k, x, last = state if len(state) > 1 else (0, value, value)
+        x = self._a * x + self._b * last + self._c * value if k else value
         y = x + self._bias
         if self._sigma:
             y += self._sigma * self._noise.row(k)[0]
         if self._quantum and math.isfinite(steps := y / self._quantum):
             y = self._quantum * round(steps)
-        return [y], (k + 1, x, now)
+        return [y], (k + 1, x, value)

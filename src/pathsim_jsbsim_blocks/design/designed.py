@@ -123,8 +123,8 @@ def report_table(report: tuple[LoopReport, ...]) -> str:
         rows.append((row.loop, cells, row.relaxed))
     widths = [max(len(head) + 2, 6) for head, *_ in columns]
     return "\n".join(
-        f"{loop:<13}{''.join(map(str.rjust, cells, widths))}  {relaxed}".rstrip()
-        for loop, cells, relaxed in rows
+        f"{loop:<13}{''.join(map(str.rjust, cells, widths))}  {note}".rstrip()
+        for loop, cells, note in rows
     )
 
 
@@ -235,18 +235,18 @@ def design_gains(
         return _flown(fresh, gains) if check else gains
 
     with _refused(aircraft, condition):
-        designed = shaped(PITCH, ROLL)
-        excess = _overshoots(designed)
+        first = shaped(PITCH, ROLL)
+        excess = _overshoots(first)
         if not max(excess) > 1.0:
-            return designed
+            return first
         # the aircraft has a kink at the trim: tighten the linear overshoot limit by the excess
         again = shaped(*map(_tightened, (PITCH, ROLL), excess))
-    return min(designed, again, key=lambda gains: max(_overshoots(gains)))
+    return min(first, again, key=lambda gains: max(_overshoots(gains)))
 
 
-def _overshoots(designed: DesignedGains) -> list[float]:
+def _overshoots(gains: DesignedGains) -> list[float]:
     """Overshoots of pitch and roll in flight, as fractions of the allowed ones."""
-    flown = zip((PITCH, ROLL), designed.report, strict=False)
+    flown = zip((PITCH, ROLL), gains.report, strict=False)
     return [row.flown_overshoot / loop.required.overshoot for loop, row in flown]
 
 
@@ -399,12 +399,12 @@ def _speed_and_altitude(
     return speed, quick, altitude, climbing
 
 
-def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGains:
+def _flown(fresh: Callable[[], Aircraft], design: DesignedGains) -> DesignedGains:
     """The report with the steps in pitch and roll flown on the nonlinear aircraft."""
-    report = list(designed.report)
+    report = list(design.report)
     # the autopilot requires gains for all loops
     gains = replace(
-        designed, altitude=designed.altitude or _NO_ALTITUDE, speed=designed.speed or _NO_SPEED
+        design, altitude=design.altitude or _NO_ALTITUDE, speed=design.speed or _NO_SPEED
     )
     for i, row in enumerate(report):
         if row.loop in ("pitch", "roll"):
@@ -414,15 +414,15 @@ def _flown(fresh: Callable[[], Aircraft], designed: DesignedGains) -> DesignedGa
             except FlightError as error:
                 text = f"the step in {row.loop} ends the flight: {error}"
                 raise Unstable(row.loop, text) from error
-            flown, relaxed = flight.quality, row.relaxed
+            flown, note = flight.quality, row.relaxed
             if math.isinf(flown.settling):
                 late = flight.outputs[step.output][flight.time > flight.time[-1] - 5.0]
                 swing = f"limit cycle of +-{(late.max() - late.min()) / 2:.2f} {step.required.unit}"
-                relaxed = f"{relaxed}, {swing}" if relaxed else swing
+                note = f"{note}, {swing}" if note else swing
             report[i] = replace(
                 row,
                 flown_settling=flown.settling,
                 flown_overshoot=flown.overshoot,
-                relaxed=relaxed,
+                relaxed=note,
             )
-    return replace(designed, report=tuple(report))
+    return replace(design, report=tuple(report))

@@ -88,8 +88,8 @@ def dutch_roll(plant: Plant) -> tuple[float, float] | None:
     s = np.log(np.where(np.abs(poles) < 1e-9, 1e-9, poles)) / plant.T
     slip = np.abs(plant.row("beta") @ vectors)
     turn = np.abs(plant.row("r") @ vectors)
-    other = np.abs(plant.row("q") @ vectors) + 1e-12
-    lateral = (slip + turn) / (slip + turn + other)
+    pitch = np.abs(plant.row("q") @ vectors) + 1e-12
+    lateral = (slip + turn) / (slip + turn + pitch)
     w = np.abs(s)
     matches = (s.imag > 0.2) & (w > 0.3) & (w < 15.0) & (lateral > 0.5)
     if not matches.any():
@@ -130,8 +130,8 @@ def design_rudder(
     dampers = damper.K * _SLIP_DAMPERS if damper.K else np.zeros(1)
     K, P, rate = grid(dampers, _SLIP_GAINS, _SLIP_RATES)
     K, P, Ki = neighbours.joined("yaw", K=K, Kp=sign * P / slip, Ki=sign * rate * (1.0 + P) / slip)
-    used = (np.abs(K) * req.YAW_RATE + np.abs(P) * req.SIDESLIP) / room
-    K, P, Ki, used = (x[used <= req.RUDDER_USE] for x in (K, P, Ki, used))
+    travel = (np.abs(K) * req.YAW_RATE + np.abs(P) * req.SIDESLIP) / room
+    K, P, Ki, travel = (x[travel <= req.RUDDER_USE] for x in (K, P, Ki, travel))
     law = yaw_law(K[:, None], damper.tau, P[:, None], Ki[:, None])
     L = law.of(rudder, T)
     command = -law.of(bank, T) / (1.0 + L)
@@ -141,30 +141,30 @@ def design_rudder(
     score = (
         req.BANK * (beta * entry).max(axis=1)
         + np.where(OMEGA < 10.0, psi, 0.0).max(axis=1)
-        + 0.5 * used
+        + 0.5 * travel
         + neighbours.cost("yaw", K=K, Kp=P, Ki=Ki)
     )
     level = requirement_met(loop_margins(OMEGA, L))
     score = np.where(level < len(MARGINS), score + 10.0 * level, np.inf)
-    chosen = damper
+    selection = damper
     for i in np.argsort(score)[:30]:
         if not math.isfinite(score[i]):
             break
         gains = YawGains(K=float(K[i]), tau=damper.tau, Kp=float(P[i]), Ki=float(Ki[i]))
         if damped(plant, gains).growth() < req.DIVERGENCE:
-            chosen = gains
+            selection = gains
             break
-    chosen = coordinate(plant, chosen, room, ramp)
+    selection = coordinate(plant, selection, room, ramp)
     parts = (
-        (chosen.K, req.YAW_RATE),
-        (chosen.Kp, req.SIDESLIP),
-        (chosen.Kroll, ramp),
-        (chosen.Kbank, req.BANK),
+        (selection.K, req.YAW_RATE),
+        (selection.Kp, req.SIDESLIP),
+        (selection.Kroll, ramp),
+        (selection.Kbank, req.BANK),
     )
     use = sum(abs(gain) * size for gain, size in parts) / room
     if not use:
-        return chosen, None
-    return chosen, LoopReport("yaw", **margins_of(_of_rudder(plant, chosen), 0), use=use)
+        return selection, None
+    return selection, LoopReport("yaw", **margins_of(_of_rudder(plant, selection), 0), use=use)
 
 
 # duration of the turn entry, s, and fractions of the best coordination to try for the margins
@@ -262,24 +262,24 @@ def design_heading(
     Kp = np.clip(Kp, 0.3, 6.0)
     margins = loop_margins(OMEGA, Kp[:, None] * plant.response(OMEGA, "phi_cmd")["psi"])
     level = requirement_met(margins)
-    p, required = plant.slower(_COARSE), STEP_REQUIREMENTS["heading"]
+    p, requirement = plant.slower(_COARSE), STEP_REQUIREMENTS["heading"]
     cmd = np.zeros(len(Kp))
 
     def law(k: int, y: np.ndarray) -> np.ndarray:
-        target = np.clip(Kp * (required.size - y[0]), -req.BANK, req.BANK)
+        target = np.clip(Kp * (requirement.size - y[0]), -req.BANK, req.BANK)
         cmd[:] += np.clip(target - cmd, -ramp * p.T, ramp * p.T)
         return cmd
 
     y = p.steps("phi_cmd", ("psi", "phi"), law, len(Kp), 60.0)
-    time, over, _ = step_quality(y[:, 0] - required.size, required.tolerance, p.T)
+    time, over, _ = step_quality(y[:, 0] - requirement.size, requirement.tolerance, p.T)
     bank = np.abs(y[:, 1]).max(axis=0)
-    score = time + 200.0 * np.maximum(over - 0.5 * required.overshoot, 0.0) + 10.0 * level
-    score += required.size / (turn * req.BANK) * neighbours.cost("heading", Kp=Kp)
+    score = time + 200.0 * np.maximum(over - 0.5 * requirement.overshoot, 0.0) + 10.0 * level
+    score += requirement.size / (turn * req.BANK) * neighbours.cost("heading", Kp=Kp)
     i = int(np.argmin(np.where(np.isfinite(score), score, 1e6 + over)))
     if level[i] == len(MARGINS) or not math.isfinite(time[i]):
         raise Unstable("heading", "no gain of the heading loop settles a turn")
     return HeadingGains(Kp=float(Kp[i]), bank=straight), reported(
-        "heading", margins, i, required, time[i], over[i], bank[i] / req.BANK
+        "heading", margins, i, requirement, time[i], over[i], bank[i] / req.BANK
     )
 
 
@@ -389,12 +389,12 @@ def speed_report(
     if requirement_met(margins)[0] == len(MARGINS):
         raise Unstable("speed", "no gains of the throttle hold the airspeed")
     rough = Rough(zero, zero, at_a_stop(moves["throttle"][None], room))
-    p, required = plant.slower(_COARSE), SPEED.required
+    p, requirement = plant.slower(_COARSE), SPEED.required
     error, peak = tracked(
         p,
         SPEED,
         step,
-        required.seconds,
+        requirement.seconds,
         gains.ramp,
         room,
         np.array([[gains.Kp], [gains.Ki], [-gains.Kc]]),
@@ -402,9 +402,9 @@ def speed_report(
         gains.Tf,
         gains.band,
     )
-    time, over, _ = step_quality(error, required.tolerance, p.T)
+    time, over, _ = step_quality(error, requirement.tolerance, p.T)
     use = peak[0] / min(-room[0], room[1])
-    return reported("speed", margins, 0, required, time[0], over[0], use, rough.violations(0))
+    return reported("speed", margins, 0, requirement, time[0], over[0], use, rough.violations(0))
 
 
 def design_feed(plant: Plant, room: tuple[float, float], rise: float) -> tuple[float, float]:
@@ -472,7 +472,7 @@ def design_altitude(
     ``ramp`` is the rate of the pitch reference, deg/s, ``hdot_max`` the maximum rate of climb,
     ft/s, ``room`` the throttle's minimum and maximum increment.
     """
-    gains, required = _altitude_candidates(plant, neighbours), STEP_REQUIREMENTS["altitude"]
+    gains, requirement = _altitude_candidates(plant, neighbours), STEP_REQUIREMENTS["altitude"]
     plant, (Kp, Ki, Kh) = with_climb(plant), gains
     law, climb = altitude_law(*gains[:, :, None]), climb_law(gains[2][:, None])
     outputs = "h", "theta", "throttle"
@@ -480,7 +480,7 @@ def design_altitude(
     rough = Rough(moves["h"], moves["theta"], at_a_stop(moves["throttle"], room))
     margins = loop_margins(OMEGA, L)
     level = requirement_met(margins)
-    soonest = _SOONEST * required.size / hdot_max
+    soonest = _SOONEST * requirement.size / hdot_max
     cost = 30.0 * level + 6.0 * margins.crossover + rough.cost()
     cost += soonest * neighbours.cost("altitude", Kp=Kp, Ki=Ki, Kh=Kh)
     pick = np.flatnonzero(level < len(MARGINS))
@@ -489,7 +489,7 @@ def design_altitude(
 
     def fly(j: np.ndarray) -> tuple[np.ndarray, ...]:
         error, speed, peak = _climbs(plant, gains[:, j], ramp, hdot_max)
-        time, over, late = step_quality(error, required.tolerance, _COARSE * plant.T)
+        time, over, late = step_quality(error, requirement.tolerance, _COARSE * plant.T)
         score = (
             time
             + 10.0 * np.maximum(over - 1.0, 0.0)
@@ -503,7 +503,7 @@ def design_altitude(
     j, time, over, _, peak = _least(pick, cost + soonest, fly)
     return AltitudeGains(
         Kh=float(Kh[j]), Kp=float(Kp[j]), Ki=float(Ki[j]), hdot_max=hdot_max
-    ), reported("altitude", margins, j, required, time, over, peak / 10.0, rough.violations(j))
+    ), reported("altitude", margins, j, requirement, time, over, peak / 10.0, rough.violations(j))
 
 
 # candidates of the first batch, and factor of the next ones: most of the time of a step response

@@ -121,19 +121,19 @@ class Plant:
         ``command`` names a further output: the law's command without the reference.
         """
         n, T, b = len(self.A), self.T, self.column(input_)
-        direct, summed, washed = rows = np.zeros((3, n))
+        direct, integral, washout = rows = np.zeros((3, n))
         for name, gains in law.gains.items():
             for row, gain in zip(rows, gains, strict=False):
                 row += gain * self.row(name)
         # further states: the integral, and the lag of the wash-out
         fade = math.exp(-T / law.tau) if law.tau else 0.0
         size = n + (2 if law.tau else 1)
-        u = np.concatenate([-direct - washed, [-1.0, 1.0]])[:size]
+        u = np.concatenate([-direct - washout, [-1.0, 1.0]])[:size]
         A, B = np.zeros((n + 2, size)), np.zeros((n + 2, len(self.inputs)))
         A[:n, :n], B[:n] = self.A, self.B
         A[:n] += np.outer(b, u)
-        A[n, :n], A[n, n] = T * summed, 1.0
-        A[n + 1, :n], A[n + 1, -1] = (1.0 - fade) * washed, fade
+        A[n, :n], A[n, n] = T * integral, 1.0
+        A[n + 1, :n], A[n + 1, -1] = (1.0 - fade) * washout, fade
         j, inputs = self.inputs.index(input_), list(self.inputs)
         if reference is None:
             B = np.delete(B, j, axis=1)

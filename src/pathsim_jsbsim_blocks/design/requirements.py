@@ -35,11 +35,11 @@ MARGINS = (
 
 def requirement_met(m: LoopMargins) -> np.ndarray:
     """Index of the first row of `MARGINS` that each loop meets, or the number of rows."""
-    met = [
+    passes = [
         (m.Ms <= r.Ms) & (m.Ms_delayed <= r.Ms_delayed) & (m.gain >= r.gain) & (m.phase >= r.phase)
         for r in MARGINS
     ]
-    return np.argmax([*met, np.ones(len(m.Ms), dtype=bool)], axis=0)
+    return np.argmax([*passes, np.ones(len(m.Ms), dtype=bool)], axis=0)
 
 
 @dataclass(frozen=True)

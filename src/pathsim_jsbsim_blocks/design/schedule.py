@@ -158,7 +158,7 @@ def design_schedule(
     airspeeds = _sorted("speeds", speeds, above=0.0)
     conditions = [replace(condition, altitude=h, speed=vc) for h in levels for vc in airspeeds]
     designs: list[DesignedGains] = []
-    refused: list[tuple[TrimCondition, Exception]] = []
+    refusals: list[tuple[TrimCondition, Exception]] = []
     # from the nominal condition outwards, so that each point has a neighbour
     for point in sorted(conditions, key=lambda point: _distance(point, condition)):
         outcome: DesignedGains | Exception
@@ -170,14 +170,14 @@ def design_schedule(
             designs.append(outcome)
         except (DesignError, TrimError) as error:
             outcome = error
-            refused.append((point, error))
+            refusals.append((point, error))
         if progress is not None:
             progress(outcome)
     if not designs:
-        raise refused[0][1]
+        raise refusals[0][1]
     first = designs[0]
     designs.sort(key=lambda design: (design.condition.altitude, design.condition.speed))
-    return DesignedSchedule(tuple(designs), designs.index(first), tuple(refused))
+    return DesignedSchedule(tuple(designs), designs.index(first), tuple(refusals))
 
 
 def _distance(a: TrimCondition, b: TrimCondition) -> float:
@@ -189,11 +189,11 @@ def _distance(a: TrimCondition, b: TrimCondition) -> float:
 def _neighbours(designs: Sequence[DesignedGains], point: TrimCondition) -> list[DesignedGains]:
     """The next designs at lower and higher airspeed, and at lower and higher altitude."""
     neighbours = []
-    for same, other in (("altitude", "speed"), ("speed", "altitude")):
-        value = getattr(point, other)
-        row = [d for d in designs if getattr(d.condition, same) == getattr(point, same)]
-        below = [d for d in row if getattr(d.condition, other) < value]
-        above = [d for d in row if getattr(d.condition, other) > value]
-        neighbours += sorted(below, key=lambda d: -getattr(d.condition, other))[:1]
-        neighbours += sorted(above, key=lambda d: getattr(d.condition, other))[:1]
+    for axis, across_axis in (("altitude", "speed"), ("speed", "altitude")):
+        value = getattr(point, across_axis)
+        row = [d for d in designs if getattr(d.condition, axis) == getattr(point, axis)]
+        lower = [d for d in row if getattr(d.condition, across_axis) < value]
+        higher = [d for d in row if getattr(d.condition, across_axis) > value]
+        neighbours += sorted(lower, key=lambda d: -getattr(d.condition, across_axis))[:1]
+        neighbours += sorted(higher, key=lambda d: getattr(d.condition, across_axis))[:1]
     return neighbours

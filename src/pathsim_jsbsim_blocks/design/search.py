@@ -91,20 +91,20 @@ def reported(
 ) -> LoopReport:
     """The report of loop ``j``; ``more`` are further requirements that it does not meet."""
     level = requirement_met(margins)[j]
-    missed = [str(MARGINS[level])] if level else []
+    misses = [str(MARGINS[level])] if level else []
     if not math.isfinite(settling):
-        missed.append("settling")
+        misses.append("settling")
     elif settling > step.settling:
-        missed.append(f"settling {settling:.1f} s")
+        misses.append(f"settling {settling:.1f} s")
     if overshoot > step.overshoot:
-        missed.append(f"overshoot {overshoot:.2g} {step.unit}")
+        misses.append(f"overshoot {overshoot:.2g} {step.unit}")
     return LoopReport(
         loop,
         **margins_of(margins, j),
         settling=float(settling),
         overshoot=float(overshoot),
         use=float(use),
-        relaxed="; ".join([*missed, *more]),
+        relaxed="; ".join([*misses, *more]),
     )
 
 
@@ -134,9 +134,9 @@ class Neighbours:
         total = np.zeros(len(next(iter(candidates.values()))))
         for gains in self.gains:
             for name, x in candidates.items():
-                other = abs(getattr(getattr(gains, loop), name))
-                minimum = max(_LEAST * max(np.abs(x).max(), other), 1e-12)
-                factor = np.maximum(np.abs(x), minimum) / max(other, minimum)
+                neighbour = abs(getattr(getattr(gains, loop), name))
+                minimum = max(_LEAST * max(np.abs(x).max(), neighbour), 1e-12)
+                factor = np.maximum(np.abs(x), minimum) / max(neighbour, minimum)
                 total += np.maximum(np.abs(np.log(factor)) - math.log(CHANGE_AIM), 0.0)
         return _PRICE * total
 
@@ -215,23 +215,23 @@ def design_attitude(
     ``ramp`` is the rate of the reference in deg/s, ``room`` the minimum and maximum increment of
     the command.
     """
-    g, required = plant.response(OMEGA, loop.input), loop.required
-    own = _shaped(loop.sign * g[loop.output], loop.sign * g[loop.rate], plant.T)
-    gains = np.array(neighbours.joined(loop.name, Kp=own[0], Ki=own[1], Kr=own[2]))
+    g, requirement = plant.response(OMEGA, loop.input), loop.required
+    shapes = _shaped(loop.sign * g[loop.output], loop.sign * g[loop.rate], plant.T)
+    gains = np.array(neighbours.joined(loop.name, Kp=shapes[0], Ki=shapes[1], Kr=shapes[2]))
     margins = loop_margins(OMEGA, loop.law(*gains[:, :, None]).of(g, plant.T))
     level = requirement_met(margins)
     # rate feedback alone may cross again above the maximum crossover
     level[margins.crossover > 1.6 * _CROSSOVERS[-1]] = len(MARGINS)
     # among equal loops prefer the slower one, which is less sensitive to delay
     cost = 1.5 * level + 0.1 * margins.crossover
-    cost += required.quick * neighbours.cost(loop.name, Kp=gains[0], Ki=gains[1], Kr=gains[2])
+    cost += requirement.quick * neighbours.cost(loop.name, Kp=gains[0], Ki=gains[1], Kr=gains[2])
     best, minimum, flown = None, math.inf, np.zeros(len(level), dtype=bool)
-    for allowed in range(len(MARGINS)):
-        pick = np.flatnonzero((level <= allowed) & ~flown)
+    for row in range(len(MARGINS)):
+        pick = np.flatnonzero((level <= row) & ~flown)
         if not len(pick):
             continue
-        adopted = pick >= len(own[0])
-        pick = np.concatenate([_spread(pick[~adopted], margins), pick[adopted]])
+        is_neighbour = pick >= len(shapes[0])
+        pick = np.concatenate([_spread(pick[~is_neighbour], margins), pick[is_neighbour]])
         flown[pick] = True
         k, b = grid(pick, _WEIGHTS)
         score, settling, over, use = _scored(plant, loop, ramp, room, gains[:, k], b)
@@ -241,9 +241,9 @@ def design_attitude(
             minimum = score[i] + cost[j]
             best = (
                 AttitudeGains(*(float(x) for x in (*gains[:, j], b[i], ramp))),
-                reported(loop.name, margins, j, required, settling[i], over[i], use[i]),
+                reported(loop.name, margins, j, requirement, settling[i], over[i], use[i]),
             )
-        if best and (not best[1].relaxed or allowed >= _ENOUGH):
+        if best and (not best[1].relaxed or row >= _ENOUGH):
             break
     if best is None:
         raise Unstable(loop.name, f"no gains of the {loop.input} settle a step in {loop.name}")
@@ -277,16 +277,16 @@ def _scored(
     b: np.ndarray,
 ) -> tuple[np.ndarray, ...]:
     """Score, settling time, overshoot and used fraction of the travel in reference steps."""
-    required = loop.required
-    error, peak = tracked(plant, loop, required.size, _SECONDS, ramp, room, gains, b)
-    settling, over, late = step_quality(error, required.tolerance, plant.T)
+    requirement = loop.required
+    error, peak = tracked(plant, loop, requirement.size, _SECONDS, ramp, room, gains, b)
+    settling, over, late = step_quality(error, requirement.tolerance, plant.T)
     use = peak / min(-room[0], room[1])
     score = (
-        np.maximum(settling, required.quick)
-        + 20.0 * np.maximum(over - 0.5 * required.overshoot, 0.0) / required.size
-        + 300.0 * np.maximum(over - 0.7 * required.overshoot, 0.0) / required.size
-        + 200.0 * late / required.size
-        + 20.0 * np.maximum(use - required.use, 0.0)
+        np.maximum(settling, requirement.quick)
+        + 20.0 * np.maximum(over - 0.5 * requirement.overshoot, 0.0) / requirement.size
+        + 300.0 * np.maximum(over - 0.7 * requirement.overshoot, 0.0) / requirement.size
+        + 200.0 * late / requirement.size
+        + 20.0 * np.maximum(use - requirement.use, 0.0)
         + 0.5 * use
     )
     return np.where(np.isfinite(score), score, math.inf), settling, over, use
@@ -294,8 +294,8 @@ def _scored(
 
 def settled(error: np.ndarray, tolerance: float, T: float) -> np.ndarray:
     """Time from which each column stays within the tolerance; infinite if it does not."""
-    outside = ~(np.abs(error) <= tolerance)
-    last = np.where(outside.any(axis=0), len(error) - np.argmax(outside[::-1], axis=0), 0)
+    misses = ~(np.abs(error) <= tolerance)
+    last = np.where(misses.any(axis=0), len(error) - np.argmax(misses[::-1], axis=0), 0)
     return np.where(last == len(error), np.inf, last * T)
 
 
@@ -333,7 +333,7 @@ def tracked(
     """
     Kp, Ki, Kr = gains
     T, sign = plant.T, math.copysign(1.0, size)
-    total, lagged, peak = np.zeros((3, len(Kp)))
+    total, slow, peak = np.zeros((3, len(Kp)))
     low, high = sorted(loop.sign * np.array(room))
     unwind = np.minimum(T * Ki / np.maximum(Kp, 1e-12), 0.5)
     gain = -math.expm1(-T / Tf) if Tf else 1.0
@@ -343,8 +343,8 @@ def tracked(
         error = r - y[0]
         if math.isfinite(band):
             error -= BEYOND * (error - np.minimum(np.maximum(error, -band), band))
-        lagged[:] += gain * (r - error - lagged)
-        v = Kp * (b * r - lagged) + total - Kr * y[1]
+        slow[:] += gain * (r - error - slow)
+        v = Kp * (b * r - slow) + total - Kr * y[1]
         u = np.minimum(np.maximum(v, low), high)
         np.maximum(peak, np.abs(v), out=peak)
         total[:] += Ki * T * error + unwind * (u - v)

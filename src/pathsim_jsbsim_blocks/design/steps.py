@@ -67,20 +67,20 @@ def fly_step(
     autopilot = Autopilot(gains=gains, T=T)
     state = autopilot.initial_state()
     ports, names = autopilot.input_port_labels, list(Aircraft.output_port_labels)
-    wired = [(ports[name], i) for i, name in enumerate(names) if name in ports]
+    wires = [(ports[name], i) for i, name in enumerate(names) if name in ports]
     u = [0.0] * len(ports)
     for name, value in step.modes.items():
         u[ports[name]] = value
-    before = round(BEFORE / T)
-    n = before + round((step.required.seconds if seconds is None else seconds) / T)
+    lead = round(BEFORE / T)
+    n = lead + round((step.required.seconds if seconds is None else seconds) / T)
     rows = np.empty((n + 1, len(names)))
     y: Sequence[float] = plane.outputs.to_array().tolist()
     rows[0] = y
     command = [0.0] * len(plane.input_port_labels)
     for k in range(n):
-        for port, i in wired:
+        for port, i in wires:
             u[port] = y[i]
-        if k == before:
+        if k == lead:
             # an increment on the value at engagement
             u[ports[step.port]] = size
         out, state = autopilot.law(u, state)
@@ -88,8 +88,8 @@ def fly_step(
         y = rows[k + 1] = plane.advance(k + 1, command)
     column = names.index("psi")
     rows[:, column] = np.unwrap(rows[:, column], period=360.0)
-    outputs = dict(zip(names, rows[before:].T, strict=True))
-    time, start = np.arange(n + 1 - before) * T, rows[0, names.index(step.output)]
+    outputs = dict(zip(names, rows[lead:].T, strict=True))
+    time, start = np.arange(n + 1 - lead) * T, rows[0, names.index(step.output)]
     # negative until the reference is reached
     error = np.sign(size) * (outputs[step.output] - start - size)
     quality = step_quality(error, step.required.tolerance, T)

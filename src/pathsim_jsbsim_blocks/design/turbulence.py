@@ -99,8 +99,8 @@ def moved(
     g = plant.response(OMEGA, input_)
     air = [plant.response(OMEGA, name) for name in AIR if name in plant.inputs]
     if inner:
-        h, around = plant.response(OMEGA, inner[0]), inner[1]
-        g, *air = (within(y, h, around, plant.T, {*law.gains, *outputs}) for y in (g, *air))
+        h, law_inside = plant.response(OMEGA, inner[0]), inner[1]
+        g, *air = (within(y, h, law_inside, plant.T, {*law.gains, *outputs}) for y in (g, *air))
     L = law.of(g, plant.T)
     moves = [-law.of(gust, plant.T) / (1.0 + L) for gust in air]
     signals = {input_: moves}
@@ -147,7 +147,9 @@ class Rough:
             f"{pitch:.1f} deg rms": pitch > req.PITCH_IN_TURBULENCE,
             f"{stop:.0%} at the throttle's stop": stop > req.STOP_IN_TURBULENCE,
         }
-        return tuple(f"turbulence {text}" for text, violated in violations.items() if violated)
+        return tuple(
+            f"turbulence {text}" for text, is_violation in violations.items() if is_violation
+        )
 
 
 def at_a_stop(throttle: np.ndarray, room: tuple[float, float]) -> np.ndarray:

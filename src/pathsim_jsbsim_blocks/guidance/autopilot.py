@@ -270,7 +270,7 @@ class Autopilot(GuidedHold):
         )
         # a held pitch angle has no commanded rate of climb
         measures = pitching or pitch_off
-        feed = now.hdot if measures or not state.speed.law.sampled else state.rate
+        feed = now.hdot if measures or not state.speed.law.has_slope else state.rate
 
         # one airspeed reference, whichever of throttle and elevator holds it
         engaged = state.pitched if state.pitched.law.engaged else state.speed

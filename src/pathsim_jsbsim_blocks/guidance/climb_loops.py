@@ -9,7 +9,7 @@ from .._core.checks import refuse
 from .._core.units import GRAVITY
 from ..control.airspeeds import true_airspeed
 from ..control.gains import AltitudeGains
-from ..control.loops import LEAST_RATE, Reference, ReferenceLoop, ReferenceState
+from ..control.loops import LEAST_RATE, LoopSample, Reference, ReferenceLoop, ReferenceState
 from ..control.pid import PID, PIDState
 
 
@@ -135,7 +135,7 @@ class SpeedOnPitchLoop:
         keeps: bool,
         sat: float,
         off: bool,
-    ) -> tuple[float, float, ReferenceState]:
+    ) -> LoopSample:
         """Rate of climb in ft/s, reference in kt and next state; as in `ReferenceLoop`."""
         pid, per_knot = self.loop.pid, true_airspeed(1.0, h)
         v = vc * per_knot

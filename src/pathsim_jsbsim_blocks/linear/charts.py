@@ -84,8 +84,8 @@ def _name_modes(ax: Axes, modes: Sequence[Mode], size: float) -> None:
     for mode in modes:
         if 0.1 * size < abs(mode.pole) <= size:
             place = mode.pole.real, mode.pole.imag
-            beside: Any = {"xytext": (5, 5), "textcoords": "offset points", "fontsize": "small"}
-            ax.annotate(mode.name, place, **beside)
+            style: Any = {"xytext": (5, 5), "textcoords": "offset points", "fontsize": "small"}
+            ax.annotate(mode.name, place, **style)
 
 
 def step_response(
@@ -182,12 +182,12 @@ def _mark_margins(loop: Margins, gain: Axes, phase: Axes) -> np.ndarray:
     if math.isfinite(loop.phase_margin):
         at = float(np.interp(loop.crossover, loop.omega, angle))
         angle += round((loop.phase_margin - 180.0 - at) / 360.0) * 360.0
-    for ax, level, x, margin, text, away in (
+    for ax, level, x, margin, text, side in (
         (gain, 0.0, loop.phase_crossover, loop.gain_margin, "gain margin {:.1f} dB", -1.0),
         (phase, -180.0, loop.crossover, loop.phase_margin, "phase margin {:.1f} deg", 1.0),
     ):
         ax.axhline(level, color="0.3", linewidth=0.8)
         if math.isfinite(margin):
-            ax.plot([x, x], [level, level + away * margin], "o-", color="C1", markersize=4)
+            ax.plot([x, x], [level, level + side * margin], "o-", color="C1", markersize=4)
             ax.set_title(f"{text.format(margin)} at {x:.3g} rad/s", fontsize="small", loc="right")
     return angle

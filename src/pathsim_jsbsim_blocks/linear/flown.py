@@ -132,11 +132,13 @@ class _Responses:
         even = _rms(self._even[:, : flights.pulsed])
         self._kinked = (even / np.maximum(size, noise)).T
         # a signal with the same response up and down has no first-order response
-        self._mute = [i for i, kinked in enumerate(self._kinked) if np.all(kinked > _NOT_LINEAR)]
+        self._mute = [
+            i for i, parities in enumerate(self._kinked) if np.all(parities > _NOT_LINEAR)
+        ]
         motion = [i for i, c in enumerate(self._signals) if c in RIGID]
         self._rigid = [i for i in motion if i not in self._mute]
-        kinked = np.where((size > noise).T, self._kinked, np.nan)[motion]
-        for name, kinks in zip(self._names, kinked.T, strict=True):
+        parities = np.where((size > noise).T, self._kinked, np.nan)[motion]
+        for name, kinks in zip(self._names, parities.T, strict=True):
             if np.any(kinks > _NOT_LINEAR) and not np.any(kinks <= _NOT_LINEAR):
                 why = (
                     f"no response to {name!r} changes sign with it: it is at a limit of its range "
@@ -180,16 +182,16 @@ class _Responses:
             # a spool takes longer for a larger change: a pulse gives too short a delay
             if _is_throttle(port):
                 signals = [k for k in np.flatnonzero(self._primary[j]) if k not in self._mute]
-                predicted = self._predicted[j]
-                later = flights.later(self._odd[j][:, signals], predicted[:, signals])
-                system.latency[j] += later
-                predicted[later:] = predicted[: len(predicted) - later]
+                prediction = self._predicted[j]
+                delay = flights.later(self._odd[j][:, signals], prediction[:, signals])
+                system.latency[j] += delay
+                prediction[delay:] = prediction[: len(prediction) - delay]
         return system
 
     def judged(self, system: Realisation) -> tuple[np.ndarray, np.ndarray]:
         """Kinks and errors of a model; raises if it does not fit."""
         n, rigid = self._flights.pulsed, self._rigid
-        odd, even, predicted = (x[:, n:] for x in (self._odd, self._even, self._predicted))
+        odd, even, prediction = (x[:, n:] for x in (self._odd, self._even, self._predicted))
         size = _rms(odd)
         maximum = size.max(axis=0, initial=0.0)
         small = ((size < _SMALL_RESPONSE * maximum) & ~self._primary) | (size == 0.0)
@@ -199,21 +201,21 @@ class _Responses:
             return np.where(small, np.nan, part / np.where(small, 1.0, reference)).T
 
         # after doublets that begin upwards and downwards
-        upwards = ratio(_rms(odd + even - predicted), _rms(odd + even))
-        downwards = ratio(_rms(odd - even - predicted), _rms(odd - even))
+        upwards = ratio(_rms(odd + even - prediction), _rms(odd + even))
+        downwards = ratio(_rms(odd - even - prediction), _rms(odd - even))
         uneven = ratio(_rms(even), size)
         upwards[self._mute] = downwards[self._mute] = uneven[self._mute] = np.nan
         self._judge_fit(system.error[rigid])
         # not for an unstable aircraft, by now far from its trim
         if np.linalg.eigvals(system.A).real.max(initial=0.0) * _DURATION < _GROWTH:
-            error = _rms(odd - predicted)
+            error = _rms(odd - prediction)
             self._judge_fit(ratio(error, np.broadcast_to(maximum, size.shape))[rigid])
-        kinked, error = np.fmax(self._kinked, uneven), np.fmax(system.error, upwards)
+        kinks, error = np.fmax(self._kinked, uneven), np.fmax(system.error, upwards)
         limit = np.where(self._primary.T, _MISSED, _MISSED_ELSEWHERE)
-        beyond = np.fmax(kinked / _KINKED, error / limit)
+        excess = np.fmax(kinks / _KINKED, error / limit)
         error = np.fmax(error, downwards)
-        self._warn(beyond[rigid], kinked[rigid], error[rigid])
-        return kinked, error
+        self._warn(excess[rigid], kinks[rigid], error[rigid])
+        return kinks, error
 
     def _judge_fit(self, error: np.ndarray) -> None:
         """Raise if the model does not fit the responses."""
@@ -224,21 +226,21 @@ class _Responses:
             why += "aircraft leaves its trim, or the response is noise"
             raise no_model(self._plane, "no fit", why, name)
 
-    def _warn(self, beyond: np.ndarray, kinks: np.ndarray, error: np.ndarray) -> None:
+    def _warn(self, excess: np.ndarray, kinks: np.ndarray, error: np.ndarray) -> None:
         """Warn of a model for small motions only, for each input with its worst response."""
         airframe = self._plane.airframe
         for j, port in enumerate(self._ports):
-            i, _ = _worst(beyond[:, [j]])
-            if beyond.size and beyond[i, j] > 1.0:
+            i, _ = _worst(excess[:, [j]])
+            if excess.size and excess[i, j] > 1.0:
                 signal = self._signals[self._rigid[i]].name
                 uneven = kinks[i, j] > _MISSED
                 parity = f"its even part is {kinks[i, j]:.0%} of the odd part, " if uneven else ""
-                others = [
+                texts = [
                     f"{self._signals[self._rigid[k]].name} {error[k, j]:.0%}"
-                    for k in np.flatnonzero(beyond[:, j] > 1.0)
+                    for k in np.flatnonzero(excess[:, j] > 1.0)
                     if k != i
                 ]
-                too = f", of {', '.join(others)}" if others else ""
+                too = f", of {', '.join(texts)}" if texts else ""
                 warn_user(
                     f"{airframe.aircraft}: the response of {signal} to {port.name} is not linear"
                     f"{_reason(airframe, port)}: {parity}the model's error after a doublet "
@@ -270,8 +272,8 @@ class _Flights:
         # commands over all periods of a flight: a pulse, and a doublet after its response
         self.commands = np.zeros((len(subject.inputs), 2 * n))
         for u, port, height in zip(self.commands, subject.inputs, self.heights, strict=True):
-            own = _is_throttle(port) and port.name not in amplitude
-            doublet = _DOUBLET_THROTTLE if own else _DOUBLET * height
+            of_default = _is_throttle(port) and port.name not in amplitude
+            doublet = _DOUBLET_THROTTLE if of_default else _DOUBLET * height
             u[: self.width] = height
             u[n:][: self._way] = doublet
             u[n + self._way :][: self._way] = -doublet
@@ -286,11 +288,11 @@ class _Flights:
         up, down = (np.array(side) for side in zip(*pairs, strict=True))
         return up, down, still
 
-    def later(self, odd: np.ndarray, predicted: np.ndarray) -> int:
+    def later(self, odd: np.ndarray, prediction: np.ndarray) -> int:
         """Periods by which the first half of the doublet acts later than predicted."""
         start, end = self.pulsed, self.pulsed + self._way
         errors = [
-            float(((odd[start:end] - predicted[start - k : end - k]) ** 2).sum())
+            float(((odd[start:end] - prediction[start - k : end - k]) ** 2).sum())
             for k in range(self._way)
         ]
         return int(np.argmin(errors))

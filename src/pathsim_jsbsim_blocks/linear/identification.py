@@ -124,17 +124,17 @@ class _Pulses:
 
     def states(self, A: np.ndarray, instants: np.ndarray) -> np.ndarray:
         """States at sample instants, for B = 1: shape (instants, n, n)."""
-        step, held = _held(A, self.T)
+        step, effect = _held(A, self.T)
         x = np.zeros((len(instants), *A.shape))
-        state, now = np.zeros_like(A), 0
+        state, k = np.zeros_like(A), 0
         powers: dict[int, np.ndarray] = {}
         for i, instant in enumerate(instants):
-            while now < min(instant, self.width):
-                state, now = step @ state + held, now + 1
-            if ahead := instant - now:
-                if ahead not in powers:
-                    powers[ahead] = np.linalg.matrix_power(step, ahead)
-                state, now = powers[ahead] @ state, instant
+            while k < min(instant, self.width):
+                state, k = step @ state + effect, k + 1
+            if gap := instant - k:
+                if gap not in powers:
+                    powers[gap] = np.linalg.matrix_power(step, gap)
+                state, k = powers[gap] @ state, instant
             x[i] = state
         return x
 
@@ -156,9 +156,9 @@ def _latency(g: np.ndarray, rigid: list[int]) -> list[int]:
     return late
 
 
-def _search(flown: _Pulses, judged: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _search(flown: _Pulses, rigid: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A, B and C of the lowest adequate order."""
-    g, after = flown.g, flown.after
+    g, instants = flown.g, flown.after
     m, _, p = g.shape
     # the first interval after the pulse may still contain feedthrough
     h = g[:, 2 * flown.width :: flown.width]
@@ -167,7 +167,7 @@ def _search(flown: _Pulses, judged: list[int]) -> tuple[np.ndarray, np.ndarray, 
         [np.hstack([h[j, i : columns + i].T for j in range(m)]) for i in range(_ROWS + 1)]
     )
     U, S, Vt = np.linalg.svd(hankel[:-p], full_matrices=False)
-    target = g[:, after].reshape(m, -1).T
+    target = g[:, instants].reshape(m, -1).T
     best: tuple[float, np.ndarray, np.ndarray, np.ndarray] | None = None
     for order in _ORDERS:
         if order > len(S) or S[order - 1] < _NOISE * S[0]:
@@ -177,10 +177,10 @@ def _search(flown: _Pulses, judged: list[int]) -> tuple[np.ndarray, np.ndarray, 
         if not len(discrete):
             continue
         A = np.real(logm(discrete)) / (flown.width * flown.T)
-        observed = (C @ flown.states(A, after)).reshape(-1, len(A))
-        B = np.linalg.lstsq(observed, target, rcond=None)[0]
-        residuals = (target - observed @ B).T.reshape(m, len(after), p)
-        error = float(np.sqrt((residuals**2).mean(axis=1))[:, judged].max(initial=0.0))
+        regressors = (C @ flown.states(A, instants)).reshape(-1, len(A))
+        B = np.linalg.lstsq(regressors, target, rcond=None)[0]
+        residuals = (target - regressors @ B).T.reshape(m, len(instants), p)
+        error = float(np.sqrt((residuals**2).mean(axis=1))[:, rigid].max(initial=0.0))
         worth = best is None or error < _WORTH ** (len(A) - len(best[1])) * best[0]
         if worth or error < _GOOD:
             best = error, A, B, C
@@ -225,14 +225,14 @@ def respond(system: Any, u: np.ndarray, T: float) -> np.ndarray:
 
     ``u`` has the shape (n, m), the responses at the sample instants (m, n + 1, p).
     """
-    step, held = _held(system.A, T)
-    into = held @ system.B
+    step, effect = _held(system.A, T)
+    into = effect @ system.B
     late = np.zeros_like(u)
     for j, periods in enumerate(map(int, system.latency)):
         late[periods:, j] = u[: max(len(u) - periods, 0), j]
     x = np.zeros((len(u) + 1, *system.B.shape))
-    for k, now in enumerate(late):
-        x[k + 1] = step @ x[k] + into * now
+    for k, inputs in enumerate(late):
+        x[k + 1] = step @ x[k] + into * inputs
     y = system.C @ x
     y[1:] += system.D * late[:, None, :]
     return y.transpose(2, 0, 1)
@@ -252,9 +252,9 @@ def _append_integral(
     n, m = B.shape
     integrator = np.block([[A, np.zeros((n, n))], [np.eye(n), np.zeros((n, n))]])
     x = flown.states(integrator, flown.after)[:, n:, :n] @ B
-    observed = x.transpose(2, 0, 1).reshape(-1, n)
+    regressors = x.transpose(2, 0, 1).reshape(-1, n)
     target = flown.g[:, flown.after, signal].reshape(-1)
-    row = np.linalg.lstsq(observed, target, rcond=1e-9)[0]
+    row = np.linalg.lstsq(regressors, target, rcond=1e-9)[0]
     A = np.block([[A, np.zeros((n, 1))], [row[None], np.zeros((1, 1))]])
     B = np.vstack([B, np.zeros((1, m))])
     rows = {i: np.append(r, 0.0) for i, r in rows.items()}
@@ -270,8 +270,8 @@ def _coordinates(C: np.ndarray, states: list[int]) -> tuple[np.ndarray, list[int
         if len(rows) == n or not np.any(C[i]):
             continue
         basis = qr(rows.T, mode="economic")[0] if len(rows) else np.zeros((n, 0))
-        rest = C[i] - basis @ (basis.T @ C[i])
-        if np.linalg.norm(rest) > _INDEPENDENT * np.linalg.norm(C[i]):
+        remainder = C[i] - basis @ (basis.T @ C[i])
+        if np.linalg.norm(remainder) > _INDEPENDENT * np.linalg.norm(C[i]):
             rows = np.vstack([rows, C[i]])
             signals.append(i)
     if len(rows) < n:

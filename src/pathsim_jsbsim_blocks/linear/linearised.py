@@ -36,10 +36,10 @@ class Linearised:
         # indices of the inputs with an effect
         self.moved = [i for i in indices if ports[i].properties]
         self.inputs = [ports[i] for i in self.moved]
-        chosen = find("outputs", [c.name for c in channels], outputs)
-        self.outputs = [channels[i] for i in chosen]
+        positions = find("outputs", [c.name for c in channels], outputs)
+        self.outputs = [channels[i] for i in positions]
         self._u0 = np.array(plane.trimmed_inputs())[self.moved]
-        self._y0 = np.array(values(plane.outputs))[chosen]
+        self._y0 = np.array(values(plane.outputs))[positions]
 
     def model(self, method: str, states: Sequence[Channel], **arrays: Any) -> LinearModel:
         """The linear model with these states: matrices, x0, latency, kinks and fit."""

@@ -134,11 +134,11 @@ class LinearModel:
                 value = np.array(getattr(self, name), dtype=float)
             except (TypeError, ValueError, OverflowError) as error:
                 refuse(name, getattr(self, name), f"{name} must be an array of numbers: {error}")
-            expected = tuple(sizes[side] for side in shape)
+            dimensions = tuple(sizes[side] for side in shape)
             # numpy has no shape (0, m) for an empty list
-            if value.shape != expected and value.size == np.prod(expected) == 0:
-                value = value.reshape(expected)
-            if value.shape != expected:
+            if value.shape != dimensions and value.size == np.prod(dimensions) == 0:
+                value = value.reshape(dimensions)
+            if value.shape != dimensions:
                 counts = " and ".join(f"{sizes[side]} {side}" for side in dict.fromkeys(shape))
                 refuse(name, value, f"{name} has the shape {value.shape}, but there are {counts}")
             entries = value[~np.isnan(value)] if name in _PARTIAL else value
@@ -212,9 +212,9 @@ class LinearModel:
             valid = False
         if not valid:
             shape = f" of shape {u.shape}" if isinstance(u, np.ndarray) else ""
-            expected = f"a row for each period of {self.dt:.6g} s and {len(self.inputs)} columns"
-            expected += f" ({', '.join(self.inputs)}) of finite numbers"
-            refuse("u", u, f"u must have {expected}, not {reprlib.repr(u)}{shape}")
+            requirement = f"a row for each period of {self.dt:.6g} s and {len(self.inputs)} columns"
+            requirement += f" ({', '.join(self.inputs)}) of finite numbers"
+            refuse("u", u, f"u must have {requirement}, not {reprlib.repr(u)}{shape}")
         return self.y0 + respond(self, inputs - self.u0, self.dt).sum(axis=0)
 
     def frequency_response(self, omega: Any) -> np.ndarray:
@@ -371,9 +371,9 @@ class LinearModel:
 
 def _to_lists(array: np.ndarray) -> Any:
     """Nested lists, with None for NaN."""
-    listed = array.astype(object)
-    listed[np.isnan(array)] = None
-    return listed.tolist()
+    entries = array.astype(object)
+    entries[np.isnan(array)] = None
+    return entries.tolist()
 
 
 def sampled(model: LinearModel) -> tuple[np.ndarray, np.ndarray]:

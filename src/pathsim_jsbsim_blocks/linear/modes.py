@@ -116,8 +116,8 @@ def natural_modes(A: np.ndarray, states: Sequence[str]) -> list[Mode]:
                 order = np.argsort(-column)
                 participation = {states[core[i]]: float(column[i]) for i in order}
                 modes.append(Mode("", complex(pole), participation))
-    named = [replace(mode, name=name) for name, mode in zip(_names(modes), modes, strict=True)]
-    return sorted(named, key=lambda mode: -mode.frequency)
+    result = [replace(mode, name=name) for name, mode in zip(_names(modes), modes, strict=True)]
+    return sorted(result, key=lambda mode: -mode.frequency)
 
 
 def _weight(mode: Mode, *states: str) -> float:
@@ -171,8 +171,8 @@ def _names(modes: list[Mode]) -> list[str]:
     elif len(fast_real) >= 2:
         for i in fast_real[:2]:
             name(i, "short period")
-    rest = [i for i in oscillations if i in free]
-    slow_pair = max(rest, key=lambda i: _weight(modes[i], "vt", "theta"), default=None)
+    pairs = [i for i in oscillations if i in free]
+    slow_pair = max(pairs, key=lambda i: _weight(modes[i], "vt", "theta"), default=None)
     if slow_pair is not None and "short period" in names:
         name(slow_pair, "phugoid")
     elif slow_pair is not None and len(real) >= 2:

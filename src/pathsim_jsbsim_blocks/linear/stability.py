@@ -167,14 +167,14 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
         refuse("law", law, why)
     inner = [_connected("closed", each, model) for each in closed]
     for block, each in zip(closed, inner, strict=True):
-        if outer.held and each.held and set(outer.commands) & set(each.commands):
+        if outer.required and each.required and set(outer.commands) & set(each.commands):
             why = f"{outer.name} and {each.name} move the same command, {', '.join(each.commands)}"
             refuse("closed", block, f"{why}: the inner loop of a hold is closed without it")
     at = outer.commands[0]
     reference = next((x for x in _INNER if x in outer.references), "")
-    rest = _INNER.get(reference, ())
-    if rest and set(rest) < set(outer.held):
-        outer, attitude = outer.parted(rest)
+    attitude_outputs = _INNER.get(reference, ())
+    if attitude_outputs and set(attitude_outputs) < set(outer.required):
+        outer, attitude = outer.parted(attitude_outputs)
         at, inner = reference, [attitude, *inner]
 
     end = math.pi / model.dt
@@ -196,8 +196,8 @@ def margins(plant: Any, law: Any = None, *closed: Any) -> Margins:
 def _stable(model: LinearModel, outer: _Connected, inner: Sequence[_Connected]) -> bool:
     """Whether no mode of the closed loop grows, by Nyquist's criterion along Re s = _GROWTH."""
     omega = np.r_[0.0, _frequencies(np.empty(0), _SLOWEST, math.pi / model.dt)] - 1j * _GROWTH
-    L, others = _loop(model, outer, inner, omega)
-    angle = np.unwrap(np.angle((1 + L) * others))
+    L, difference = _loop(model, outer, inner, omega)
+    angle = np.unwrap(np.angle((1 + L) * difference))
     modes = [np.linalg.eigvals(model.A), *(each.modes for each in (outer, *inner))]
     growing = (np.concatenate(modes).real > _GROWTH).sum()
     return bool(growing == round((angle[-1] - angle[0]) / math.pi))
@@ -232,25 +232,25 @@ class _Connected(NamedTuple):
     name: str
     measured: Sequence[str]  # outputs of the model
     commands: Sequence[str]  # inputs of the model
-    held: Sequence[str]  # measurements that the law requires
+    required: Sequence[str]  # measurements that the law requires
     references: Sequence[str]  # other outputs of the law
     response: Any  # frequency response at omega, shape (k, commands, measured)
     modes: np.ndarray  # its poles s, 1/s
 
-    def parted(self, rest: Sequence[str]) -> tuple[_Connected, _Connected]:
-        """The law without the feedback of ``rest``, and that feedback as a law."""
-        own = [i for i, x in enumerate(self.measured) if x not in rest]
-        others = [self.measured.index(x) for x in rest]
+    def parted(self, feedback: Sequence[str]) -> tuple[_Connected, _Connected]:
+        """The law without the ``feedback`` of some outputs, and that feedback as a law."""
+        direct = [i for i, x in enumerate(self.measured) if x not in feedback]
+        columns = [self.measured.index(x) for x in feedback]
         return (
             self._replace(
-                measured=[self.measured[i] for i in own],
-                response=lambda omega: self.response(omega)[:, :, own],
+                measured=[self.measured[i] for i in direct],
+                response=lambda omega: self.response(omega)[:, :, direct],
             ),
             self._replace(
-                name=" and ".join(rest),
-                measured=rest,
+                name=" and ".join(feedback),
+                measured=feedback,
                 modes=self.modes[:0],
-                response=lambda omega: self.response(omega)[:, :, others],
+                response=lambda omega: self.response(omega)[:, :, columns],
             ),
         )
 
@@ -267,15 +267,15 @@ def _connected(parameter: str, law: Any, model: LinearModel) -> _Connected:
         measured, commands = model.outputs, model.inputs
     find(parameter, model.outputs, measured)
     find(parameter, model.inputs, commands)
-    sampled = law.isdtime(strict=True)
-    if sampled and law.dt is not True:
+    is_discrete = law.isdtime(strict=True)
+    if is_discrete and law.dt is not True:
         _same_period(parameter, law, law.dt, model)
 
     def response(omega: np.ndarray) -> np.ndarray:
         at = 1j * omega
-        return np.moveaxis(law(np.exp(at * model.dt) if sampled else at, squeeze=False), -1, 0)
+        return np.moveaxis(law(np.exp(at * model.dt) if is_discrete else at, squeeze=False), -1, 0)
 
-    modes = _modes(law.poles(), model.dt if sampled else None)
+    modes = _modes(law.poles(), model.dt if is_discrete else None)
     return _Connected(law.name, measured, commands, (), (), response, modes)
 
 
@@ -288,9 +288,9 @@ def _modes(poles: np.ndarray, T: float | None) -> np.ndarray:
 def _block(parameter: str, law: SampledLaw, model: LinearModel) -> _Connected:
     _same_period(parameter, law, law.clock.period, model)
     ports, outputs = port_names(law.inputs), port_names(law.outputs)
-    connected = law.inputs.wired or set(ports)
+    wires = law.inputs.wired or set(ports)
     find(parameter, model.outputs, law.measured)
-    measured = [x for x in ports if x in connected and x in model.outputs]
+    measured = [x for x in ports if x in wires and x in model.outputs]
     commands = [x for x in law.commands or outputs if x in outputs]
     find(parameter, model.inputs, commands)
     if not measured:
@@ -334,8 +334,8 @@ def _of_loop(loop: Any) -> Margins:
         between = control.FrequencyResponseData(measured, omega, smooth=True)
         return _margins(loop.name, omega, lambda omega: between(1j * omega), None, None)
     T = loop.dt if loop.isdtime(strict=True) else None
-    closed = _modes(control.feedback(loop).poles(), T)
-    modes = np.concatenate([closed, _modes(loop.poles(), T), _modes(loop.zeros(), T)])
+    poles = _modes(control.feedback(loop).poles(), T)
+    modes = np.concatenate([poles, _modes(loop.poles(), T), _modes(loop.zeros(), T)])
     rates = np.abs(modes[np.isfinite(modes) & (modes != 0)])
     high = math.pi / T if T else _RANGE * rates.max(initial=1.0)
     omega = _frequencies(modes, min(rates.min(initial=1.0), high) / _RANGE, high)
@@ -343,7 +343,7 @@ def _of_loop(loop: Any) -> Margins:
     def L(omega: np.ndarray) -> np.ndarray:
         return loop(np.exp(1j * omega * T) if T else 1j * omega, warn_infinite=False)
 
-    stable = bool((closed.real <= _GROWTH).all())
+    stable = bool((poles.real <= _GROWTH).all())
     return _margins(loop.name, omega, L, high if T else math.inf, stable)
 
 
@@ -383,7 +383,7 @@ def _margins(
     at_gain = _crossings(L, omega, response, lambda L: np.log(np.abs(L)))
     angles = np.degrees(np.angle(L(at_gain)))
     phases = np.mod(angles, 360.0) - 180.0
-    later = np.radians(np.mod(phases, 360.0)) / at_gain
+    delays = np.radians(np.mod(phases, 360.0)) / at_gain
     gain, phase = (np.argmin(np.abs(x)) if len(x) else None for x in (gains, phases))
     S = 1 / (1 + response)
     return Margins(
@@ -392,7 +392,7 @@ def _margins(
         math.nan if gain is None else float(at_phase[gain]),
         math.inf if phase is None else float(phases[phase]),
         math.nan if phase is None else float(at_gain[phase]),
-        float(later.min(initial=math.inf)),
+        float(delays.min(initial=math.inf)),
         float(1 / np.abs(S - 0.5).max()),
         float(np.abs(S).max()),
         omega,
@@ -440,8 +440,8 @@ def loop_margins(omega: np.ndarray, L: np.ndarray) -> LoopMargins:
     with np.errstate(divide="ignore", invalid="ignore"):
         fraction = np.where(crosses, log[:, :-1] / (log[:, :-1] - log[:, 1:]), 0.0)
     angle = phase[:, :-1] + fraction * np.diff(phase, axis=1)
-    away = np.degrees(np.abs(np.mod(angle, 2 * np.pi) - np.pi))
-    pm = np.where(crosses, away, np.inf).min(axis=1)
+    distance = np.degrees(np.abs(np.mod(angle, 2 * np.pi) - np.pi))
+    pm = np.where(crosses, distance, np.inf).min(axis=1)
     frequency = np.exp(np.log(omega[:-1]) + fraction * np.diff(np.log(omega)))
     crossover = np.where(crosses, frequency, 0.0).max(axis=1)
     # phase crossovers, at odd multiples of 180 deg
@@ -452,7 +452,7 @@ def loop_margins(omega: np.ndarray, L: np.ndarray) -> LoopMargins:
         fraction = np.where(crosses, (edge - phase[:, :-1]) / np.diff(phase, axis=1), 0.0)
     level = log[:, :-1] + fraction * np.diff(log, axis=1)
     gm = np.where(crosses, np.abs(level), np.inf).min(axis=1) * 20 / np.log(10)
-    delayed = L * np.exp(-1j * omega * EXTRA_DELAY)
+    L_late = L * np.exp(-1j * omega * EXTRA_DELAY)
     return LoopMargins(
-        crossover, gm, pm, 1 / np.abs(1 + L).min(axis=1), 1 / np.abs(1 + delayed).min(axis=1)
+        crossover, gm, pm, 1 / np.abs(1 + L).min(axis=1), 1 / np.abs(1 + L_late).min(axis=1)
     )

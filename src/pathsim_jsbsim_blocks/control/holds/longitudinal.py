@@ -190,7 +190,7 @@ class AirspeedHold(Hold):
         vc, hdot, vc_ref, off, thr_sat, hdot_cmd, *motion = u[:13]
         self.retune(vc)
         airspeed, inertial = self.airspeed.sample(state.airspeed, vc, *motion)
-        climb = hdot if hdot_cmd == 0.0 or not state.speed.law.sampled else state.climb
+        climb = hdot if hdot_cmd == 0.0 or not state.speed.law.has_slope else state.climb
         target, keeps = self.speed.loop.towards(
             state.speed, airspeed, self.wanted("vc_ref", vc_ref, vc)
         )
