@@ -93,11 +93,11 @@ class AltitudeHold(GuidedHold):
         h, hdot, theta, q, h_ref, off, elev_sat, vc, alpha = u[:9]
         self.retune(vc, h)
         vertical, idle = self.vertical, off != 0.0
-        now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
-        allowed, guard = vertical.guard(state, now, vc, full_throttle=True)
+        motion = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
+        bounds, guard = vertical.guard(state, motion, vc, full_throttle=True)
         reference = self.wanted("h_ref", h_ref, h)
         target, hdot_cmd, altitude, _ = vertical.for_climb(
-            state, now, allowed, reference=reference, idle=idle
+            state, motion, bounds, reference=reference, idle=idle
         )
-        elevator, theta_cmd, pitch, cut = vertical.fly(state, now, allowed, target)
+        elevator, theta_cmd, pitch, cut = vertical.fly(state, motion, bounds, target)
         return [elevator, theta_cmd, hdot_cmd], VerticalState(altitude, pitch, guard, cut)

@@ -38,19 +38,19 @@ class BeamState(NamedTuple):
     ft: float = 0.0
     dist: float = 0.0
     aside: float = 0.0  # speed to the right of the course, ft/s, smoothed
-    along: float = 0.0  # speed towards the station, ft/s, smoothed
+    closure: float = 0.0  # speed towards the station, ft/s, smoothed
 
     def next(
         self, ft: float, dist: float, T: float, smoothing: float
     ) -> tuple[BeamState, float, float, bool]:
         """The next state, the measured speeds across and along the course, ft/s, and validity."""
-        across, along = (ft - self.ft) / T, (self.dist - dist) / T
-        if not self.valid or abs(along) >= _FASTEST:
-            return BeamState(True, ft, dist), across, along, False
-        gain = -math.expm1(-T / smoothing) if self.along else 1.0
-        aside = self.aside + gain * (across - self.aside)
-        smooth = self.along + gain * (along - self.along)
-        return BeamState(True, ft, dist, aside, smooth), across, along, True
+        slip, closure = (ft - self.ft) / T, (self.dist - dist) / T
+        if not self.valid or abs(closure) >= _FASTEST:
+            return BeamState(True, ft, dist), slip, closure, False
+        gain = -math.expm1(-T / smoothing) if self.closure else 1.0
+        aside = self.aside + gain * (slip - self.aside)
+        smooth = self.closure + gain * (closure - self.closure)
+        return BeamState(True, ft, dist, aside, smooth), slip, closure, True
 
 
 class LocalizerState(NamedTuple):
@@ -138,22 +138,22 @@ class LocalizerHold(Hold):
         psi, phi, p, ft, dist, off, ail_sat, vc = u[:8]
         self.retune(vc)
         idle, c = off != 0.0, self._checked
-        beam, across, along, valid = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
+        beam, slip, towards, valid = state.beam.next(ft, dist, self.clock.period, SMOOTHING)
         drift = 0.0
         if valid:
-            drift = wrap(c.course + DEGREES * math.atan(across / max(along, SLOWEST)) - psi)
-            gain = self._gain if state.beam.along else 1.0
+            drift = wrap(c.course + DEGREES * math.atan(slip / max(towards, SLOWEST)) - psi)
+            gain = self._gain if state.beam.closure else 1.0
             drift = wrap(state.drift + gain * wrap(drift - state.drift))
         chi = psi + drift
-        speed = max(beam.along, SLOWEST)
+        speed = max(beam.closure, SLOWEST)
         tau = c.lookahead
         if tau is None:
             tau = max(SEPARATION * self.heading.lag(speed), 1.0)
         closing = clip(DEGREES * math.atan(ft / (tau * speed)), -c.intercept, c.intercept)
         angle = wrap(chi - c.course)
-        reached = angle <= -closing if ft > 0.0 else angle >= -closing
-        reached = (reached or abs(closing) < _ON_COURSE) and abs(wrap(psi - c.course)) < _AWAY
-        captured = not idle and (state.captured or (valid and reached))
+        turns_in = angle <= -closing if ft > 0.0 else angle >= -closing
+        turns_in = (turns_in or abs(closing) < _ON_COURSE) and abs(wrap(psi - c.course)) < _AWAY
+        captured = not idle and (state.captured or (valid and turns_in))
 
         initial = state.heading if state.lateral.heading.law.engaged else psi
         measured, target = (chi, c.course - closing) if captured else (psi, initial)
@@ -288,52 +288,50 @@ class GlideslopeHold(GuidedHold):
         self._gain = -math.expm1(-self.clock.period / SMOOTHING)
 
     def law(self, u: list[float], state: GlideslopeState) -> tuple[list[float], GlideslopeState]:
-        h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha, degrees, above, away = u[:13]
+        h, hdot, lat, lon, theta, q, off, elev_sat, vc, alpha, degrees, ft, slant = u[:13]
         self.retune(vc, h)
-        received = "gs_dist" in self.inputs.wired
-        if not received:
-            away = distance(place(lat, lon), self._threshold)
+        receiver = "gs_dist" in self.inputs.wired
+        if not receiver:
+            slant = distance(place(lat, lon), self._threshold)
         speed, rate = state.speed, 0.0
         if state.dist is not None:
-            rate = (state.dist - away) / self.clock.period
+            rate = (state.dist - slant) / self.clock.period
             if abs(rate) > _FASTEST:
                 speed = None
             else:
                 speed = abs(rate) if speed is None else speed + self._gain * (abs(rate) - speed)
-        dist = -away if state.captured and rate < 0.0 else away
-        if received:
-            height = above + dist * self._slope
+        dist = -slant if state.captured and rate < 0.0 else slant
+        if receiver:
+            height = ft + dist * self._slope
         else:
             height = h - self._checked.elevation
-            degrees, above = above_path(height, dist + self._foot, self._checked.angle)
+            degrees, ft = above_path(height, dist + self._foot, self._checked.angle)
 
-        vertical, before, idle = self.vertical, state.vertical, off != 0.0
-        now = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
-        allowed, guard = vertical.guard(before, now, vc, full_throttle=True)
-        initial, error = vertical.altitude.error(before.altitude, h, (None, 0.0))
+        vertical, loops, idle = self.vertical, state.vertical, off != 0.0
+        motion = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
+        bounds, guard = vertical.guard(loops, motion, vc, full_throttle=True)
+        initial, error = vertical.altitude.error(loops.altitude, h, (None, 0.0))
         level = vertical.altitude.climb_rate(error)
-        descent, lower = self._descent(above, speed or 0.0, level, height)
+        descent, lower = self._descent(ft, speed or 0.0, level, height)
         # a rate of 0 means that the closing speed has not been measured yet
-        reached = lower and rate > 0.0 and (self._checked.from_above or degrees <= _ON_GLIDE_PATH)
+        meets = lower and rate > 0.0 and (self._checked.from_above or degrees <= _ON_GLIDE_PATH)
         # below a path that requires more thrust than available
-        left = descent > allowed.climb_max and degrees < -_ON_GLIDE_PATH
-        captured = not idle and (state.captured or reached)
+        leaves = descent > bounds.climb_max and degrees < -_ON_GLIDE_PATH
+        captured = not idle and (state.captured or meets)
         command = descent if captured else level
-        target, hdot_cmd, altitude = vertical.at_rate(before, now, allowed, initial, command, idle)
-        elevator, theta_cmd, pitch, cut = vertical.fly(before, now, allowed, target)
+        target, hdot_cmd, altitude = vertical.at_rate(loops, motion, bounds, initial, command, idle)
+        elevator, theta_cmd, pitch, cut = vertical.fly(loops, motion, bounds, target)
         return (
-            [elevator, theta_cmd, hdot_cmd, degrees, above, dist, float(captured and not left)],
-            GlideslopeState(away, speed, captured, VerticalState(altitude, pitch, guard, cut)),
+            [elevator, theta_cmd, hdot_cmd, degrees, ft, dist, float(captured and not leaves)],
+            GlideslopeState(slant, speed, captured, VerticalState(altitude, pitch, guard, cut)),
         )
 
-    def _descent(
-        self, above: float, speed: float, level: float, height: float
-    ) -> tuple[float, bool]:
+    def _descent(self, ft: float, speed: float, level: float, height: float) -> tuple[float, bool]:
         """Rate of climb that follows the path, ft/s, and whether it is at most ``level``."""
         altitude, sink = self.vertical.altitude, speed * self._slope
         # an upward correction limited to less than the sink could never fly level below the path
         highest = max(altitude.hdot_max, sink)
-        correction = -altitude.Kh * above
+        correction = -altitude.Kh * ft
         rate = clip(correction, -altitude.hdot_max, highest) - sink
         if height < _LOW:
             rate = max(rate, -min(_STEEPER * sink, self._checked.sink_max))

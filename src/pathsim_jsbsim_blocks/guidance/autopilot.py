@@ -82,7 +82,7 @@ class AutopilotState(NamedTuple):
     speed: ReferenceState = SpeedLoop.START
     yaw: YawState = YawLoop.START
     climb: ClimbState = ClimbState()
-    pitched: ReferenceState = SpeedOnPitchLoop.START  # airspeed loop of the elevator
+    v_pitch: ReferenceState = SpeedOnPitchLoop.START  # airspeed loop of the elevator
     lever: LeverState = LeverState()
     airspeed: float = ComplementaryAirspeed.START  # kt
     rate: float = 0.0  # rate of climb to feed forward, ft/s
@@ -255,60 +255,60 @@ class Autopilot(GuidedHold):
         self.follows(speed=self.speed, **lateral, **self.vertical.loops)
 
     def law(self, u: list[float], state: AutopilotState) -> tuple[list[float], AutopilotState]:
-        now = AutopilotInputs(*u[:32])
-        h, vc, alpha = now.h, now.vc, now.alpha
-        pitching, pitch_off = now.pitch_mode != 0.0, now.pitch_off != 0.0
+        port = AutopilotInputs(*u[:32])
+        h, vc, alpha = port.h, port.vc, port.alpha
+        pitching, pitch_off = port.pitch_mode != 0.0, port.pitch_off != 0.0
         self.retune(vc, h)
-        vertical, before = self.vertical, state.vertical
-        motion = Motion(now.theta, now.q, h, now.hdot, vc, alpha, pitch_off, now.elev_sat)
-        mode = 0.0 if pitching else now.v_mode
+        vertical, loops = self.vertical, state.vertical
+        motion = Motion(port.theta, port.q, h, port.hdot, vc, alpha, pitch_off, port.elev_sat)
+        mode = 0.0 if pitching else port.v_mode
         captured = mode == state.climb.mode and state.climb.captured
         on_pitch = mode == 2.0 and not captured and not pitch_off
 
         airspeed, inertial = self.airspeed.sample(
-            state.airspeed, vc, now.nx, now.nz, alpha, now.beta, now.theta, now.phi, now.vt
+            state.airspeed, vc, port.nx, port.nz, alpha, port.beta, port.theta, port.phi, port.vt
         )
         # a held pitch angle has no commanded rate of climb
         measures = pitching or pitch_off
-        feed = now.hdot if measures or not state.speed.law.has_slope else state.rate
+        feed = port.hdot if measures or not state.speed.law.has_slope else state.rate
 
         # one airspeed reference, whichever of throttle and elevator holds it
-        engaged = state.pitched if state.pitched.law.engaged else state.speed
+        engaged = state.v_pitch if state.v_pitch.law.engaged else state.speed
         vc_cmd = self.speed.loop.reference(engaged, airspeed)
-        allowed, guard = vertical.guard(
-            before,
+        bounds, guard = vertical.guard(
+            loops,
             motion,
             vc,
-            full_throttle=now.thr_sat > 0.0,
+            full_throttle=port.thr_sat > 0.0,
             vc_cmd=vc_cmd,
             hold_pitch=pitching,
-            phi=now.phi,
-            h_agl=now.h_agl,
+            phi=port.phi,
+            h_agl=port.h_agl,
             eases=mode == 0.0 or captured,
             airspeed=airspeed,
         )
-        throttle, vc_cmd, rate, speed, pitched, lever = self._airspeed(
-            state, now, engaged, allowed, on_pitch, airspeed, feed
+        throttle, vc_cmd, rate, speed, v_pitch, lever = self._airspeed(
+            state, port, engaged, bounds, on_pitch, airspeed, feed
         )
 
         protection = vertical.protection(alpha)
         # the protection already reduces a climb at low airspeed
         fraction = 1.0 if protection else share_of_climb(vc, vc_cmd)
-        elevator, theta_cmd, hdot_cmd, after, climb = self._elevator(
-            state, now, motion, allowed, guard, mode, rate, fraction
+        elevator, theta_cmd, hdot_cmd, levels, climb = self._elevator(
+            state, port, motion, bounds, guard, mode, rate, fraction
         )
-        aileron, phi_cmd, lateral = self._ailerons(state.lateral, now, allowed, protection, guard)
+        aileron, phi_cmd, lateral = self._ailerons(state.lateral, port, bounds, protection, guard)
         rudder, yaw = self.yaw.sample(
-            state.yaw, now.r, now.yaw_off != 0.0, now.beta, now.p, now.phi
+            state.yaw, port.r, port.yaw_off != 0.0, port.beta, port.p, port.phi
         )
         outputs = [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd]
         state = AutopilotState(
-            vertical=after,
+            vertical=levels,
             lateral=lateral,
             speed=speed,
             yaw=yaw,
             climb=climb,
-            pitched=pitched,
+            v_pitch=v_pitch,
             lever=lever,
             airspeed=inertial,
             rate=feed if measures else self.speed.follow(feed, hdot_cmd),
@@ -318,9 +318,9 @@ class Autopilot(GuidedHold):
     def _airspeed(
         self,
         state: AutopilotState,
-        now: AutopilotInputs,
+        port: AutopilotInputs,
         engaged: ReferenceState,
-        allowed: Allowed,
+        bounds: Allowed,
         on_pitch: bool,
         airspeed: float,
         feed: float,
@@ -330,43 +330,47 @@ class Autopilot(GuidedHold):
         The throttle holds ``airspeed``, which is without gusts, with the rate of climb ``feed`` fed
         forward. While ``on_pitch``, the elevator holds the measured airspeed by a rate of climb.
         """
-        h, hdot, vc, off = now.h, now.hdot, now.vc, now.speed_off != 0.0
-        reference = self.wanted("vc_ref", now.vc_ref, vc)
+        h, hdot, vc, off = port.h, port.hdot, port.vc, port.speed_off != 0.0
+        reference = self.wanted("vc_ref", port.vc_ref, vc)
         target, keeps = self.speed.loop.towards(engaged, airspeed, reference)
-        target = self.airspeed_within(allowed, target, vc)
+        target = self.airspeed_within(bounds, target, vc)
         throttle, vc_cmd, speed = self.speed.sample(
             state.speed,
             airspeed,
             feed,
             target,
             keeps,
-            now.thr_sat,
+            port.thr_sat,
             off or on_pitch,
-            boost=allowed.boost,
-            feed=allowed.feed,
+            boost=bounds.boost,
+            feed=bounds.feed,
         )
-        climb, lever_ref, pitched = self.wanted("hdot_ref", now.hdot_ref), None, ReferenceLoop.START
+        climb, lever_ref, v_pitch = (
+            self.wanted("hdot_ref", port.hdot_ref),
+            None,
+            ReferenceLoop.START,
+        )
         if on_pitch:
             cut = state.vertical.altitude.cut
-            rate, vc_cmd, pitched = self.on_pitch.sample(
-                state.pitched, vc, h, hdot, target, keeps, cut, False
+            rate, vc_cmd, v_pitch = self.on_pitch.sample(
+                state.v_pitch, vc, h, hdot, target, keeps, cut, False
             )
             climb = rate, 0.0
-            lever_ref = None if off else self._lever_reference(now.thr_ref, allowed, rate)
+            lever_ref = None if off else self._lever_reference(port.thr_ref, bounds, rate)
         # pass the airspeed at engagement from one loop to the other, so that both hold the same
-        if state.pitched.law.engaged:
+        if state.v_pitch.law.engaged:
             speed = speed._replace(initial=engaged.initial)
         elif on_pitch and state.speed.law.engaged:
-            pitched = pitched._replace(initial=engaged.initial)
-        throttle, speed, lever = self._lever(state, throttle, speed, hdot, now.thr_sat, lever_ref)
-        return throttle, vc_cmd, climb, speed, pitched, lever
+            v_pitch = v_pitch._replace(initial=engaged.initial)
+        throttle, speed, lever = self._lever(state, throttle, speed, hdot, port.thr_sat, lever_ref)
+        return throttle, vc_cmd, climb, speed, v_pitch, lever
 
     def _elevator(
         self,
         state: AutopilotState,
-        now: AutopilotInputs,
+        port: AutopilotInputs,
         motion: Motion,
-        allowed: Allowed,
+        bounds: Allowed,
         guard: ProtectionState,
         mode: float,
         rate: Reference,
@@ -376,55 +380,55 @@ class Autopilot(GuidedHold):
 
         ``fraction`` is that of the rate of climb towards a held altitude.
         """
-        vertical, before, pitching = self.vertical, state.vertical, now.pitch_mode != 0.0
+        vertical, loops, pitching = self.vertical, state.vertical, port.pitch_mode != 0.0
         target, hdot_cmd, altitude, climb = vertical.for_climb(
-            before,
+            loops,
             motion,
-            allowed,
-            reference=self.wanted("h_ref", now.h_ref, now.h),
+            bounds,
+            reference=self.wanted("h_ref", port.h_ref, port.h),
             idle=motion.off or pitching,
-            before=state.climb,
+            last=state.climb,
             mode=mode,
             rate=rate,
             fraction=fraction,
         )
         keeps = False
         if pitching:
-            reference = self.wanted("theta_ref", now.theta_ref)
-            target, keeps = vertical.pitch.towards(before.pitch, now.theta, reference)
-        elevator, theta_cmd, pitch, cut = vertical.fly(before, motion, allowed, target, keeps)
+            reference = self.wanted("theta_ref", port.theta_ref)
+            target, keeps = vertical.pitch.towards(loops.pitch, port.theta, reference)
+        elevator, theta_cmd, pitch, cut = vertical.fly(loops, motion, bounds, target, keeps)
         return elevator, theta_cmd, hdot_cmd, VerticalState(altitude, pitch, guard, cut), climb
 
     def _ailerons(
         self,
         state: LateralState,
-        now: AutopilotInputs,
-        allowed: Allowed,
+        port: AutopilotInputs,
+        bounds: Allowed,
         protection: Protection | None,
         guard: ProtectionState,
     ) -> tuple[float, float, LateralState]:
         """Aileron increment, bank reference in deg, and the next state."""
-        rolling, off = now.roll_mode != 0.0, now.roll_off != 0.0
+        rolling, off = port.roll_mode != 0.0, port.roll_off != 0.0
         bank, heading = self.heading.sample(
             state.heading,
-            now.psi,
-            self.wanted("psi_ref", now.psi_ref),
+            port.psi,
+            self.wanted("psi_ref", port.psi_ref),
             idle=off or rolling,
-            phi=now.phi,
-            vt=now.vt,
+            phi=port.phi,
+            vt=port.vt,
         )
         keeps = False
         if rolling:
-            reference = self.wanted("phi_ref", now.phi_ref)
-            bank, keeps = self.roll.towards(state.roll, now.phi, reference)
+            reference = self.wanted("phi_ref", port.phi_ref)
+            bank, keeps = self.roll.towards(state.roll, port.phi, reference)
         if protection:
-            bank = protection.bank(allowed, guard, bank, now.phi)
+            bank = protection.bank(bounds, guard, bank, port.phi)
         aileron, phi_cmd, roll = self.roll.sample(
-            state.roll, now.phi, now.p, bank, keeps, now.ail_sat, off
+            state.roll, port.phi, port.p, bank, keeps, port.ail_sat, off
         )
         return aileron, phi_cmd, LateralState(heading, roll)
 
-    def _lever_reference(self, thr_ref: float, allowed: Allowed, rate: float) -> Reference:
+    def _lever_reference(self, thr_ref: float, bounds: Allowed, rate: float) -> Reference:
         """The commanded throttle, reduced above the maximum airspeed; increased near the minimum if
         the rate of climb that would hold the airspeed is not allowed.
         """
@@ -436,7 +440,7 @@ class Autopilot(GuidedHold):
                 "thr_ref is {:g}; it is an increment of the throttle, whose range is 0 to 1",
                 command,
             )
-        boost = allowed.boost if rate < allowed.climb_min else min(allowed.boost, 0.0)
+        boost = bounds.boost if rate < bounds.climb_min else min(bounds.boost, 0.0)
         return target, increment + boost
 
     def _lever(
@@ -454,7 +458,7 @@ class Autopilot(GuidedHold):
         sustains the climb, so it is removed in proportion to the rate of climb.
         """
         initial, spare, rate = state.lever
-        if not state.pitched.law.engaged:
+        if not state.v_pitch.law.engaged:
             initial = state.speed.law.u + spare
         low, high = self._checked.throttle_authority
         if reference:

@@ -213,15 +213,15 @@ class CourseHold(Hold):
         # the course is the difference of two positions, so the first sample has none
         engaged = not off and ground.valid
 
-        across = to_go = bend = 0.0
+        offset = to_go = bend = 0.0
         if route.waypoints:
-            before = leg
+            start = leg
             leg, direct, track = self._along(route, position, chi, ground, vt, leg, direct, engaged)
-            if before != leg == route.last + 1 and vt:  # the start of the pattern, each time round
+            if start != leg == route.last + 1 and vt:  # the start of the pattern, each time round
                 radius = self._radius_in_wind(route, ground, vt, chi)
-            across, to_go = track.across, track.to_go
+            offset, to_go = track.across, track.to_go
             tau = self._checked.lookahead or SEPARATION * self.heading.lag(ground.speed)
-            closing = math.degrees(math.atan2(across, max(tau * ground.speed, 1.0)))
+            closing = math.degrees(math.atan2(offset, max(tau * ground.speed, 1.0)))
             limit = self._checked.intercept
             target = track.course - clip(closing, -limit, limit)
             bend = route.bank(leg, ground)
@@ -242,7 +242,7 @@ class CourseHold(Hold):
         )
         chi_cmd = target % 360.0 if engaged else chi
         return (
-            [aileron, phi_cmd, chi, chi_cmd, across, to_go, float(leg)],
+            [aileron, phi_cmd, chi, chi_cmd, offset, to_go, float(leg)],
             CourseState(ground, initial, leg, direct, radius, LateralState(heading, roll)),
         )
 
@@ -292,15 +292,15 @@ class CourseHold(Hold):
         speed = vt + math.hypot(north, east)
         bank = _HOLDING_BANK * self._checked.bank_max
         minimum = speed**2 / (GRAVITY * math.tan(math.radians(bank)))
-        own, present = (r.legs[r.last] for r in (self._route, route))
-        assert isinstance(own, Arc)
+        plain, present = (r.legs[r.last] for r in (self._route, route))
+        assert isinstance(plain, Arc)
         assert isinstance(present, Arc)
         if minimum <= present.radius:
-            return None if present is own else present.radius
+            return None if present is plain else present.radius
         if not self._warned_of_radius:
             self._warned_of_radius = True
             warn_user(
-                f"CourseHold: the holding pattern is widened from {own.radius:.0f} to "
+                f"CourseHold: the holding pattern is widened from {plain.radius:.0f} to "
                 f"{minimum:.0f} ft: at {speed / KNOT:.0f} kt over the ground its own radius "
                 f"requires more than {bank:g} deg of bank, {_HOLDING_BANK:g} of bank_max"
             )
@@ -328,18 +328,18 @@ class CourseHold(Hold):
         if circle is None:  # at the only waypoint
             return leg, None, CrossTrack(0.0, 0.0, chi)
         track = circle.track_at(position)
-        after = route.after(leg)
+        next_leg = route.after(leg)
         if (
             engaged
-            and after
-            and track.to_go <= self._ahead(route, ground, vt, leg, after, track.course)
+            and next_leg
+            and track.to_go <= self._ahead(route, ground, vt, leg, next_leg, track.course)
         ):
-            leg = after
+            leg = next_leg
             track = route.legs[leg - 1].track_at(position)
         return leg, direct, track
 
     def _ahead(
-        self, route: _Route, ground: _Ground, vt: float, leg: int, after: int, course: float
+        self, route: _Route, ground: _Ground, vt: float, leg: int, next_leg: int, course: float
     ) -> float:
         """Distance before a waypoint at which the turn begins, ft.
 
@@ -350,22 +350,22 @@ class CourseHold(Hold):
         if leg + 1 in route.fly_over:
             return 0.0
         speed, drift = ground.speed, ground.drift if vt else 0.0
-        vt, turn = vt or speed, wrap(route.courses[after - 1] - course)
+        vt, turn = vt or speed, wrap(route.courses[next_leg - 1] - course)
         side, turn = math.copysign(1.0, turn), min(abs(turn), _SHARPEST)
         chi, new = math.radians(course), math.radians(course + side * turn)
         heading = chi - math.radians(drift)
         north, east = _wind(ground._replace(drift=drift), vt, course)
         # the heading with which the wind is corrected for on the next leg
         aside = east * math.cos(new) - north * math.sin(new)
-        settled = new - math.asin(min(max(aside / max(vt, 1.0), -1.0), 1.0))
+        new_heading = new - math.asin(min(max(aside / max(vt, 1.0), -1.0), 1.0))
         radius = vt * vt / self._centripetal
-        seconds = max(side * math.radians(wrap(math.degrees(settled - heading))), 0.0)
+        seconds = max(side * math.radians(wrap(math.degrees(new_heading - heading))), 0.0)
         seconds *= radius / max(vt, 1.0)
-        north = side * radius * (math.sin(settled) - math.sin(heading)) + north * seconds
-        east = side * radius * (math.cos(heading) - math.cos(settled)) + east * seconds
+        north = side * radius * (math.sin(new_heading) - math.sin(heading)) + north * seconds
+        east = side * radius * (math.cos(heading) - math.cos(new_heading)) + east * seconds
         ends = (north * math.sin(new) - east * math.cos(new)) * side
         lead = min(turn / bank_max, 1.0) * (bank_max / self._roll + self.heading.lag(speed))
-        lead += abs(route.bank(after, ground) - route.bank(leg, ground)) / self._roll
+        lead += abs(route.bank(next_leg, ground) - route.bank(leg, ground)) / self._roll
         return ends / max(math.sin(math.radians(turn)), 1e-3) + lead * speed / 2
 
     @property
@@ -464,22 +464,22 @@ class _Route:
             refuse("holding", holding, f"the holding pattern at {lat:g} deg reaches the pole")
         c, s = math.cos(math.radians(course)), math.sin(math.radians(course))
 
-        def corner(ahead: float, aside: float) -> Place:
+        def corner(forward: float, aside: float) -> Place:
             right = side * aside
-            north, east = ahead * c - right * s, ahead * s + right * c
+            north, east = forward * c - right * s, forward * s + right * c
             return place(*map(float, ned_to_geodetic(north, east, 0.0, lat, lon)[:2]))
 
         abeam = corner(0.0, 2 * radius)
-        away, back = corner(-length, 2 * radius), corner(-length, 0.0)
+        outbound, back = corner(-length, 2 * radius), corner(-length, 0.0)
         for leg in (
             arc_about(corner(0.0, radius), fix, abeam, side),
-            circle_through(abeam, away),
-            arc_about(corner(-length, radius), away, back, side),
+            circle_through(abeam, outbound),
+            arc_about(corner(-length, radius), outbound, back, side),
             circle_through(back, fix),
         ):
             assert leg is not None
             self.legs.append(leg)
-        return [fix, abeam, away, back]
+        return [fix, abeam, outbound, back]
 
 
 def _side(parameter: str, value: Any) -> float:

@@ -327,7 +327,7 @@ class FlareHold(GuidedHold):
             phase = FLARE
         floated, least = state.floated, height
         if before == FLARE:
-            floated += self.clock.period * state.beam.along
+            floated += self.clock.period * state.beam.closure
             least = min(state.least, height)
         astray = (
             (height < c.decide and (abs(state.beam.ft) > c.across_max or across))
@@ -463,7 +463,7 @@ class FlareHold(GuidedHold):
         """Steering of the nose wheel, and the state with the rudder and the heading's reference."""
         c, T, beam = self._checked, self.clock.period, state.beam
         target, psi_cmd, align, turn = c.course, state.psi, c.align, 0.0
-        speed = max(beam.along, SLOWEST)
+        speed = max(beam.closure, SLOWEST)
         if rolls:
             target -= clip(DEGREES * _STEER * beam.ft / speed, -5.0, 5.0)
             # nose wheel and rudder become less effective as the aircraft slows down
@@ -486,6 +486,6 @@ class FlareHold(GuidedHold):
         """Throttle and brakes."""
         T, brakes = self.clock.period, 0.0
         if state.phase == ROLL_OUT and down and state.theta <= 0.0:
-            brakes = min(state.brakes + _BRAKE * T, clip(state.beam.along / _STOPS, 0.0, 1.0))
+            brakes = min(state.brakes + _BRAKE * T, clip(state.beam.closure / _STOPS, 0.0, 1.0))
         throttle = 1.0 if state.phase == GO_AROUND else max(state.throttle - _IDLE * T, -1.0)
         return throttle, brakes

@@ -64,14 +64,14 @@ class GuidedHold(Hold):
 
     def protection_within(self, envelope: EnvelopeLimits | None) -> Protection | None:
         """The protection; None without a maximum angle of attack."""
-        own = self._checked.alpha_max
-        if own is None and envelope is None:
+        alpha_max = self._checked.alpha_max
+        if alpha_max is None and envelope is None:
             return None
-        return Protection(self.clock.period, own, envelope)
+        return Protection(self.clock.period, alpha_max, envelope)
 
-    def airspeed_within(self, allowed: Allowed, target: float, vc: float) -> float:
+    def airspeed_within(self, bounds: Allowed, target: float, vc: float) -> float:
         """The target airspeed in kt within the limits; warns if it is far below the minimum."""
-        minimum = allowed.vc_min
+        minimum = bounds.vc_min
         # without a command the target is the present airspeed, which may itself be too low
         if minimum >= FLYING and target < min(FAR_BELOW * minimum, 0.9 * vc):
             self._warn_once(
@@ -80,4 +80,4 @@ class GuidedHold(Hold):
                 "{:.0f} kt, which is flown instead",
                 *(target, minimum),
             )
-        return max(min(target, allowed.vc_max), minimum)
+        return max(min(target, bounds.vc_max), minimum)

@@ -34,14 +34,14 @@ class _Receiver(SampledLaw):
         """Deviation in deg and ft, and the next state; ``slant`` is the distance, ft."""
         k, last = state
         width = self._checked.width
-        limited = min(max(degrees, -width), width)
+        indication = min(max(degrees, -width), width)
         if self._checked.noise:
             fresh = self._noise.row(k)[0]
             if k:
                 # first-order coloured noise whose standard deviation does not depend on T
                 fresh = self._decay * last + math.sqrt(1.0 - self._decay**2) * fresh
             last = fresh
-        error = limited - degrees + self._checked.noise * last
+        error = indication - degrees + self._checked.noise * last
         # add the error alone: without width and noise the deviation in ft stays exact
         feet += slant * (math.tan(math.radians(degrees + error)) - math.tan(math.radians(degrees)))
         return [degrees + error, feet], (k + 1, last)
@@ -106,9 +106,9 @@ class Localizer(_Receiver):
         self._line = line_to(place(*self._checked.station), self._checked.course)
 
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
-        across, to_go, _ = self._line.track_at(place(*u))
-        degrees = math.degrees(math.atan2(across, abs(to_go)))
-        deviation, state = self.received(degrees, across, abs(to_go), state)
+        offset, to_go, _ = self._line.track_at(place(*u))
+        degrees = math.degrees(math.atan2(offset, abs(to_go)))
+        deviation, state = self.received(degrees, offset, abs(to_go), state)
         return [*deviation, to_go], state
 
 
@@ -174,19 +174,19 @@ class Glideslope(_Receiver):
 
     def law(self, u: list[float], state: tuple[Any, ...]) -> tuple[list[float], tuple[Any, ...]]:
         c = self._checked
-        away = distance(place(*u[:2]), place(*c.station))
-        degrees, feet = above_path(u[2] - c.elevation, away, c.angle)
-        deviation, state = self.received(degrees, feet, away, state)
-        return [*deviation, away], state
+        ground_distance = distance(place(*u[:2]), place(*c.station))
+        degrees, feet = above_path(u[2] - c.elevation, ground_distance, c.angle)
+        deviation, state = self.received(degrees, feet, ground_distance, state)
+        return [*deviation, ground_distance], state
 
 
-def above_path(height: float, away: float, angle: float) -> tuple[float, float]:
-    """Angle (deg) and height (ft) above a glide path that meets the ground ``away`` ft from here.
+def above_path(height: float, ground_distance: float, angle: float) -> tuple[float, float]:
+    """Angle (deg) and height (ft) above a glide path that meets the ground at a distance.
 
     ``height`` is the altitude less the foot's elevation; the Earth's curvature reduces it.
     """
-    height -= away * away / (2.0 * RADIUS)
+    height -= ground_distance * ground_distance / (2.0 * RADIUS)
     return (
-        math.degrees(math.atan2(height, away)) - angle,
-        height - away * math.tan(math.radians(angle)),
+        math.degrees(math.atan2(height, ground_distance)) - angle,
+        height - ground_distance * math.tan(math.radians(angle)),
     )

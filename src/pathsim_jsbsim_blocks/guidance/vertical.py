@@ -64,26 +64,27 @@ class Vertical:
     def guard(
         self,
         state: VerticalState,
-        now: Motion,
+        motion: Motion,
         vc: float,  # airspeed to protect, kt; 0 for none
         **signals: Any,  # arguments of `Protection.sample`, from ``full_throttle`` on
     ) -> tuple[Allowed, ProtectionState]:
         """Limits set by the protection, and its next state."""
         if self.envelope and self.envelope.flies_envelope:
-            self.altitude.descend(self.envelope.limits.descent_max, true_airspeed(now.vc, now.h))
-        protection = self.protection(now.alpha)
+            sink = self.envelope.limits.descent_max
+            self.altitude.descend(sink, true_airspeed(motion.vc, motion.h))
+        protection = self.protection(motion.alpha)
         if not protection:
             return NO_LIMITS, state.guard
         # positive elevator is nose down, so these are the nose-up limits
-        stop = not now.off and (now.sat < 0.0 or state.pitch.law.u >= self.pitch.pid.high)
-        measured = now.theta, now.alpha, now.h, now.hdot, vc
+        stop = not motion.off and (motion.sat < 0.0 or state.pitch.law.u >= self.pitch.pid.high)
+        measured = motion.theta, motion.alpha, motion.h, motion.hdot, vc
         return protection.sample(state.guard, *measured, stop, **signals, cut=state.altitude.cut)
 
     def at_rate(
         self,
         state: VerticalState,
-        now: Motion,
-        allowed: Allowed,
+        motion: Motion,
+        bounds: Allowed,
         initial: float,
         hdot_cmd: float,
         idle: bool,
@@ -92,15 +93,15 @@ class Vertical:
 
         While ``idle`` the loop is reset.
         """
-        altitude, protection = self.altitude, self.protection(now.alpha)
+        altitude, protection = self.altitude, self.protection(motion.alpha)
         theta_max = -math.inf
         if protection and protection.flies_envelope:
             # the climb is limited separately; level flight may use the maximum angle of attack
             theta_max = protection.alpha_max
         altitude.allow(theta_max)
-        command, hdot_cmd = hdot_cmd, min(max(hdot_cmd, allowed.climb_min), allowed.climb_max)
-        reference = self.pitch.reference(state.pitch, now.theta)
-        theta, law = altitude.climb(state.altitude.law, hdot_cmd, now.hdot, reference, state.cut)
+        command, hdot_cmd = hdot_cmd, min(max(hdot_cmd, bounds.climb_min), bounds.climb_max)
+        reference = self.pitch.reference(state.pitch, motion.theta)
+        theta, law = altitude.climb(state.altitude.law, hdot_cmd, motion.hdot, reference, state.cut)
         if idle:
             return theta, 0.0, AltitudeLoop.START
         return theta, hdot_cmd, AltitudeState(initial, law, command - hdot_cmd)
@@ -108,12 +109,12 @@ class Vertical:
     def for_climb(
         self,
         state: VerticalState,
-        now: Motion,
-        allowed: Allowed,
+        motion: Motion,
+        bounds: Allowed,
         *,
         reference: Reference,
         idle: bool,
-        before: ClimbState = NO_CLIMB,
+        last: ClimbState = NO_CLIMB,
         mode: float = 0.0,
         rate: Reference = (None, 0.0),
         fraction: float = 1.0,
@@ -123,45 +124,54 @@ class Vertical:
         If ``mode`` is not 0, the reference ``rate`` is flown until it leads to the capture of the
         commanded altitude, which is held from then on. Otherwise the altitude is held.
         """
-        altitude, changed = self.altitude, mode != before.mode
-        initial_rate = now.hdot if changed else before.initial
+        altitude, begins = self.altitude, mode != last.mode
+        initial_rate = motion.hdot if begins else last.initial
         target, increment = rate
         rate_cmd = (initial_rate if target is None else target) + increment
         level = state.altitude
-        if changed and not before.captured:
-            level = level._replace(initial=now.h)
-        initial, error = altitude.error(level, now.h, reference)
+        if begins and not last.captured:
+            level = level._replace(initial=motion.h)
+        initial, error = altitude.error(level, motion.h, reference)
         hdot_cmd = altitude.climb_rate(error, fraction)
         captured = False
         if not idle and mode != 0.0:
             commanded = reference != (None, 0.0)
             capture = altitude.capture_rate(error)
-            reached = commanded and error * rate_cmd > 0.0 and abs(capture) <= abs(rate_cmd)
-            captured = reached or (before.captured and not changed)
+            captures = commanded and error * rate_cmd > 0.0 and abs(capture) <= abs(rate_cmd)
+            captured = captures or (last.captured and not begins)
             if captured:
                 # the altitude law's maximum rate would brake a fast climb too early
-                capture = min(max(capture, -abs(now.hdot)), abs(now.hdot))
+                capture = min(max(capture, -abs(motion.hdot)), abs(motion.hdot))
                 if abs(capture) > abs(hdot_cmd):
                     hdot_cmd = capture
             else:
                 hdot_cmd = rate_cmd
-        theta, hdot_cmd, after = self.at_rate(state, now, allowed, initial, hdot_cmd, idle)
-        return theta, hdot_cmd, after, ClimbState(0.0 if idle else mode, captured, initial_rate)
+        theta, hdot_cmd, new = self.at_rate(state, motion, bounds, initial, hdot_cmd, idle)
+        return theta, hdot_cmd, new, ClimbState(0.0 if idle else mode, captured, initial_rate)
 
     def fly(
         self,
         state: VerticalState,
-        now: Motion,
-        allowed: Allowed,
+        motion: Motion,
+        bounds: Allowed,
         target: float,
         keeps: bool = False,
     ) -> tuple[float, float, ReferenceState, float]:
         """Elevator, pitch reference, next state, and target less the maximum pitch reference."""
-        highest, fastest = allowed.theta_max, math.inf
-        if protection := self.protection(now.alpha):
-            fastest = protection.pitch_rate(now.vc, now.h)
-        target = max(target, allowed.theta_min)
+        highest, fastest = bounds.theta_max, math.inf
+        if protection := self.protection(motion.alpha):
+            fastest = protection.pitch_rate(motion.vc, motion.h)
+        target = max(target, bounds.theta_min)
         elevator, theta_cmd, pitch = self.pitch.sample(
-            state.pitch, now.theta, now.q, target, keeps, now.sat, now.off, 0.0, highest, fastest
+            state.pitch,
+            motion.theta,
+            motion.q,
+            target,
+            keeps,
+            motion.sat,
+            motion.off,
+            0.0,
+            highest,
+            fastest,
         )
         return elevator, theta_cmd, pitch, max(target - highest, 0.0)
