@@ -300,61 +300,61 @@ class Aircraft(FlightBlock):
             (writer(SURFACES["aileron"]), state.aileron, -1.0, 1.0),
             (writer(SURFACES["rudder"]), state.rudder, -1.0, 1.0),
         ]
-        added = [
+        extras = [
             (self.input_port_labels[name], behind(name, SHORT_INPUTS))
             for name in self._further(self.inputs)
         ]
         # ports of single engines; 0, the elevator's, stands for none
-        own = {canonical(names[0]): port for port, names in added}
+        port_of_engine = {canonical(names[0]): port for port, names in extras}
         commands = throttles(len(state.throttle))
         engines = [
-            (writer(name), throttle, own.get(canonical(name), 0))
+            (writer(name), throttle, port_of_engine.get(canonical(name), 0))
             for name, throttle in zip(commands, state.throttle, strict=True)
         ]
-        single = {port for _, _, port in engines}
-        rest = [(port, names) for port, names in added if port not in single]
-        further = [_Further(port, names, self.airframe) for port, names in rest]
+        engine_ports = {port for _, _, port in engines}
+        plain = [(port, names) for port, names in extras if port not in engine_ports]
+        increments = [_Further(port, names, self.airframe) for port, names in plain]
         gusts = [writer(name) for name in WIND.values()]
         north = east = down = 0.0
         # excess of each engine
-        beyond = [0.0] * len(engines)
+        overrun = [0.0] * len(engines)
         running = self.airframe.running_readers()
 
         def mean_of_running() -> float:
-            values = [x for x, runs in zip(beyond, running, strict=True) if runs()] or beyond
+            values = [x for x, runs in zip(overrun, running, strict=True) if runs()] or overrun
             return sum(values) / len(values)
 
         def write(u: list[float]) -> None:
             nonlocal north, east, down
             for i, (put, trimmed, low, high) in enumerate(surfaces):
-                command = limited = trimmed + u[i]
-                if limited < low:
-                    limited = low
-                if limited > high:
-                    limited = high
-                put(limited)
-                excess[i] = command - limited
-                if limited != command:
+                command = value = trimmed + u[i]
+                if value < low:
+                    value = low
+                if value > high:
+                    value = high
+                put(value)
+                excess[i] = command - value
+                if value != command:
                     self._warn_of_units(i, u[i])
             over = False
             for i, (put, trimmed, port) in enumerate(engines):
                 command = trimmed + u[3]
                 if port:
                     command += u[port]
-                limited = 0.0 if command < 0.0 else 1.0 if command > 1.0 else command
-                put(limited)
-                beyond[i] = command - limited
-                if limited != command:
+                value = 0.0 if command < 0.0 else 1.0 if command > 1.0 else command
+                put(value)
+                overrun[i] = command - value
+                if value != command:
                     over = True
                     self._warn_of_units(3, u[3])
             excess[3] = mean_of_running() if over else 0.0
             # write only changes: a gust in the block's properties stays if no port is connected
             if u[4] != north or u[5] != east or u[6] != down:
-                for put, speed, before in zip(gusts, u[4:7], (north, east, down), strict=True):
-                    if speed != before:
+                for put, speed, last in zip(gusts, u[4:7], (north, east, down), strict=True):
+                    if speed != last:
                         put(speed)
                 north, east, down = u[4:7]
-            for command_ in further:
+            for command_ in increments:
                 command_.move(u)
 
         return write
@@ -365,12 +365,12 @@ class Aircraft(FlightBlock):
         names += [behind(name, SHORT_OUTPUTS)[0] for name in self._further(self.outputs)]
         read_all = self.airframe.reader_of(names)
         first_excess, psi = ports.index(EXCESS), list(OUTPUTS).index("psi")
-        scaled = [(i, port.factor) for i, port in enumerate(ports) if port.factor != 1.0]
+        factors = [(i, port.factor) for i, port in enumerate(ports) if port.factor != 1.0]
 
         def read() -> list[float]:
             y = read_all()
             y[first_excess:first_excess] = excess
-            for i, factor in scaled:
+            for i, factor in factors:
                 y[i] *= factor
             if y[psi] > ALMOST_NORTH:
                 y[psi] = 0.0
@@ -412,8 +412,8 @@ class _Further:
             return
         if self._starts is None:
             self._starts = [
-                start if value == before else value + (start - before)
-                for value, start, before in zip(self._read(), starts, values, strict=True)
+                start if value == last else value + (start - last)
+                for value, start, last in zip(self._read(), starts, values, strict=True)
             ]
         increment, starts = u[self._port], self._starts
         for put, start in zip(self._writers, starts, strict=True):

@@ -143,11 +143,11 @@ class Airframe(Powerplant):
         Changes made by JSBSim and direct writes to ``fdm`` are lost. Existing readers and writers
         still belong to the previous executive.
         """
-        written, self._written = self._written, {}
+        settings, self._written = self._written, {}
         names = self._names
         self._open()
         self._names = names  # still valid: the model is the same
-        self.write(written)
+        self.write(settings)
 
     def twin(self, step: float | None = None) -> Airframe:
         """Another airframe of the same model, sealed, with what `create` and `write` have set.
@@ -155,27 +155,27 @@ class Airframe(Powerplant):
         It has no script, whose events would act in a trim. With a maximum ``step`` in s it has
         JSBSim's own integrators.
         """
-        other = copy.copy(self)
+        twin = copy.copy(self)
         if step is not None:
-            other.dt = min(self.dt, step)
-            other._equations = {k: x for k, x in self._equations.items() if k not in INTEGRATORS}
+            twin.dt = min(self.dt, step)
+            twin._equations = {k: x for k, x in self._equations.items() if k not in INTEGRATORS}
         if self.start is not None:
-            other.start, other._declared = None, self.start.declared
-        other._written = dict(self._written)
-        other._network = other._files = False
-        other._flightgear = None
-        other.renew()
-        return other
+            twin.start, twin._declared = None, self.start.declared
+        twin._written = dict(self._written)
+        twin._network = twin._files = False
+        twin._flightgear = None
+        twin.renew()
+        return twin
 
-    def resemble(self, other: Airframe) -> None:
+    def resemble(self, source: Airframe) -> None:
         """Copy the properties written to another airframe of the model, its fuel, stopped engines.
 
         Direct writes to its ``fdm`` are not copied.
         """
-        self.write(other._written)
+        self.write(source._written)
         for tank in self.tanks:
-            self.writer(tank)(other.reader(tank)())
-        self.stopped = other.stopped
+            self.writer(tank)(source.reader(tank)())
+        self.stopped = source.stopped
 
     def _open(self) -> None:
         self._load_with_all()
@@ -209,12 +209,12 @@ class Airframe(Powerplant):
             if missing:
                 # its destructor reads them, and would crash the process
                 never_free(self.fdm)
-            named = re.findall(r"[\w/\[\].-]+", failure)
-            further = [name for name in missing if not failure or name in named]
-            if failure and not further:
+            names_in_failure = re.findall(r"[\w/\[\].-]+", failure)
+            to_create = [name for name in missing if not failure or name in names_in_failure]
+            if failure and not to_create:
                 raise self._cannot("load aircraft {!r}", failure)
-            lacking |= dict.fromkeys(further, 0.0)
-            if not (failure or (further and self._creates_missing)):
+            lacking |= dict.fromkeys(to_create, 0.0)
+            if not (failure or (to_create and self._creates_missing)):
                 break
         if lacking and not self._creates_missing:
             raise self._lacks(lacking)
@@ -231,7 +231,7 @@ class Airframe(Powerplant):
                     missing.append(name)
         return missing
 
-    def _load_in_new_executive(self, created: Mapping[str, float]) -> str:
+    def _load_in_new_executive(self, properties: Mapping[str, float]) -> str:
         """Load the model after creating properties; return why it failed, or an empty text."""
         capture_console()
         self._xml = self._file.xml
@@ -247,7 +247,7 @@ class Airframe(Powerplant):
             self.fdm.set_output_path(SEALED_PATH)
         self.fdm.set_dt(self.dt)
         self._open_tree()
-        for name, value in created.items():
+        for name, value in properties.items():
             self.make(name, value)
         with contextlib.ExitStack() as stack:
             if self._cg is not None:
@@ -310,8 +310,8 @@ class Airframe(Powerplant):
     def _lacks(self, lacking: Mapping[str, float]) -> AircraftError:
         """The error of a model that refers to properties that do not exist."""
         # a typo in the model's own XML would become a term that is always 0
-        own = [name for name in lacking if not name.startswith("/")]
-        close = {name: [n for n in self._similar(name) if n not in lacking][:2] for name in own}
+        bare = [name for name in lacking if not name.startswith("/")]
+        close = {name: [n for n in self._similar(name) if n not in lacking][:2] for name in bare}
         hints = {name: f" ({did_you_mean(n)[2:]})" for name, n in close.items() if n}
         if self.start is not None:
             hints = {n: hints.get(n, "") + self.start.place_of(n) for n in lacking}

@@ -115,10 +115,10 @@ class FlightBlock(Parametric, SampledPlant):
     _warned_of_reset = False
 
     @classmethod
-    def _trimmed_like(cls, before: tuple[str, Airframe] | None, **parameters: Any) -> Any:
+    def _trimmed_like(cls, last_flight: tuple[str, Airframe] | None, **parameters: Any) -> Any:
         """A sealed block that takes over the trim of an earlier flight with the same parameters."""
         block = cls.__new__(cls)
-        block._before, block._sealed = before, True
+        block._before, block._sealed = last_flight, True
         cls.__init__(block, **parameters)
         return block
 
@@ -146,14 +146,14 @@ class FlightBlock(Parametric, SampledPlant):
         super()._change(values)
         if not self._warned_of_reset and self._flight_key() != self._flying:
             self._warned_of_reset = True
-            asked = ", ".join(f"{name_of(self)}.{n} = {x!r}" for n, x in values.items())
-            warn_user(f"{asked} acts at the next reset: sim.reset() or sim.run(..., reset=True)")
+            changes = ", ".join(f"{name_of(self)}.{n} = {x!r}" for n, x in values.items())
+            warn_user(f"{changes} acts at the next reset: sim.reset() or sim.run(..., reset=True)")
 
     def _further(self, ports: Register) -> list[str]:
         """Names of the inputs or outputs after the fixed ones."""
         kind: Any = type(self)
-        fixed = kind.input_port_labels if ports is self.inputs else kind.output_port_labels
-        return list(port_names(ports))[len(fixed or ()) :]
+        labels = kind.input_port_labels if ports is self.inputs else kind.output_port_labels
+        return list(port_names(ports))[len(labels or ()) :]
 
     def _check_properties(self, taken: Mapping[str, str] = {}) -> None:
         """Refuse properties that cannot be ports; ``taken`` are those that fixed ports write."""
@@ -173,8 +173,8 @@ class FlightBlock(Parametric, SampledPlant):
         names = {name: self._trim_names.get(name, name) for name in defaults}
         trim_fields = {name: field for name, field in names.items() if field in _OF_CONDITION}
         if self.condition is None:
-            asked = {field: getattr(self, name) for name, field in trim_fields.items()}
-            return TrimCondition(**{"solver": self._solver, **asked})
+            values_of_fields = {field: getattr(self, name) for name, field in trim_fields.items()}
+            return TrimCondition(**{"solver": self._solver, **values_of_fields})
         check_condition(self.condition)
         for name in trim_fields:
             value = getattr(self, name)
@@ -317,8 +317,8 @@ class FlightBlock(Parametric, SampledPlant):
             raise LinearizationError(str(error)) from error
         model = self._linear[1]
         A, B, C, D = model.with_lags(model.delay)
-        beyond = ((0, 0), (0, len(port_names(self.inputs)) - B.shape[1]))
-        return A, np.pad(B, beyond), C, np.pad(D, beyond)
+        padding = ((0, 0), (0, len(port_names(self.inputs)) - B.shape[1]))
+        return A, np.pad(B, padding), C, np.pad(D, padding)
 
     def _connect(self) -> tuple[Write, Read]:
         """Functions that write the inputs to a fresh, trimmed airframe and read its outputs."""
@@ -333,7 +333,7 @@ class FlightBlock(Parametric, SampledPlant):
         self._flying = self._flight_key()
         self._ending = None
         self._warned_of_reset = False
-        before, self._before = self._before, None
+        last_flight, self._before = self._before, None
         options = {name: getattr(self, name) for name in _OF_AIRFRAME}
         if self._sealed:
             options |= {"allow_network": False, "allow_files": False}
@@ -346,9 +346,9 @@ class FlightBlock(Parametric, SampledPlant):
         )
         if start is not None:
             self.trim = start_from_file(self.airframe, self.setup)
-        elif before and before[0] == self._flying:
+        elif last_flight and last_flight[0] == self._flying:
             # the same flight again: skip the checks that it has passed
-            like = Trimmer.of(before[1])
+            like = Trimmer.of(last_flight[1])
             self.trim, _ = Trimmer.of(self.airframe).trim(condition, self.setup, like=like)
         else:
             self.trim = trim(self.airframe, condition, self.setup)
@@ -364,8 +364,8 @@ class FlightBlock(Parametric, SampledPlant):
         numbers = self._substeps, self._time_zero, dt * self._substeps, 0.5 * dt
         contact = GroundContact(self.airframe, numbers[2], *limits)
         touch = lambda: contact.broken(self.clock.begun[1])  # noqa: E731
-        watched = speed, height, nz, contact.reach, contact.look, touch
-        self._bound = self.airframe.run, self.airframe.sim_time, write, read, *watched, numbers
+        readers = speed, height, nz, contact.reach, contact.look, touch
+        self._bound = self.airframe.run, self.airframe.sim_time, write, read, *readers, numbers
         self._starved = self.airframe.starved()
         self._fuel_at = _FUEL_CHECK / (dt * self._substeps) if self.airframe.engines else inf
         y = read()
@@ -425,11 +425,11 @@ class FlightBlock(Parametric, SampledPlant):
         Changed parameters take effect. If the model can no longer be loaded or trimmed,
         because its files have changed, this raises and the aircraft continues its flight.
         """
-        before = dict(self.__dict__)
+        attributes = dict(self.__dict__)
         try:
             y = self._load()
         except BaseException:
-            self.__dict__.update(before)
+            self.__dict__.update(attributes)
             raise
         super().reset()
         self.take_off(y)
@@ -472,10 +472,10 @@ class FlightBlock(Parametric, SampledPlant):
         if not -half_step <= sim_time() - time_zero - index * period <= half_step:
             self._fail_time(index)
         y = read()
-        above = height()
-        if contact and (broken := touch()):
-            self._fail(*broken, self._time(index))
-        if not (isfinite(sum(y) + speed()) and above >= _UNDERGROUND and -_CRASH < nz() < _CRASH):
+        agl = height()
+        if contact and (failure := touch()):
+            self._fail(*failure, self._time(index))
+        if not (isfinite(sum(y) + speed()) and agl >= _UNDERGROUND and -_CRASH < nz() < _CRASH):
             self._check(y, self._time(index))
         if index >= self._fuel_at:
             self._check_fuel(index)
@@ -486,9 +486,9 @@ class FlightBlock(Parametric, SampledPlant):
 
     def _check_fuel(self, index: int) -> None:
         """Warn about engines that have stopped for lack of fuel since the last check."""
-        before, self._starved = self._starved, self.airframe.starved()
+        earlier, self._starved = self._starved, self.airframe.starved()
         self._fuel_at = index + _FUEL_CHECK / self.clock.period
-        engines = [str(i) for i in self._starved if i not in before]
+        engines = [str(i) for i in self._starved if i not in earlier]
         if engines:
             warn_user(
                 f"{self.airframe.aircraft}: engine{'s' * (len(engines) > 1)} {', '.join(engines)} "
@@ -539,16 +539,16 @@ class FlightBlock(Parametric, SampledPlant):
 
     def _check(self, y: list[float], t: float) -> None:
         """End the flight at ``t`` if it cannot continue."""
-        watched = {name: self.airframe.fdm[name] for name in _WATCHED}
-        for name, value in [*zip(port_names(self.outputs), y, strict=False), *watched.items()]:
+        monitors = {name: self.airframe.fdm[name] for name in _WATCHED}
+        for name, value in [*zip(port_names(self.outputs), y, strict=False), *monitors.items()]:
             if not isfinite(value):
                 self._fail(f"state {name!r}", name, value, t)
         _, height, nz = _WATCHED
-        if not -_CRASH < watched[nz] < _CRASH:
-            self._fail(f"crashed, load factor {nz!r}", nz, watched[nz], t)
-        if watched[height] < _UNDERGROUND:
+        if not -_CRASH < monitors[nz] < _CRASH:
+            self._fail(f"crashed, load factor {nz!r}", nz, monitors[nz], t)
+        if monitors[height] < _UNDERGROUND:
             what = f"under the ground, height of the centre of gravity {height!r}"
-            self._fail(what, height, watched[height], t)
+            self._fail(what, height, monitors[height], t)
 
     def _flight_key(self) -> str:
         """Text of all parameters, equal if a flight can be repeated."""

@@ -127,12 +127,12 @@ def failure_of(action: Callable[[], bool]) -> str:
 
 def _errors(records: Sequence[Message]) -> list[str]:
     """Texts of the errors, except those explained by a warning for the same line of XML."""
-    texts, warned = [], ""
+    texts, warning = [], ""
     for level, text in records:
         place = text.partition(": ")[0]
-        if level >= logging.ERROR and place != warned:
+        if level >= logging.ERROR and place != warning:
             texts.append(text)
-        warned = place if level == logging.WARNING else ""
+        warning = place if level == logging.WARNING else ""
     return texts
 
 

@@ -39,41 +39,41 @@ class GroundContact:
         units = [f"{kind}/unit[{i}]" for i in count for kind in ("gear", "contact")]
         units = [unit for unit in units if airframe.has(f"{unit}/WOW")]
         wheels = [unit for unit in units if _is_wheel(airframe, unit)]
-        others = [unit for unit in units if unit not in wheels]
+        structure = [unit for unit in units if unit not in wheels]
         self.reach = -math.inf
         if not wheels or sink_max == scrape_max == math.inf:
             return
         farthest = max(_distance(airframe, unit) for unit in units)
         self.reach = _MARGIN + _FASTEST * period + farthest
         self._sink_max, self._scrape_max = sink_max, scrape_max
-        self._on = [f"{unit}/WOW" for unit in wheels + others]
-        self._depth = [f"{unit}/compression-ft" for unit in others]
+        self._on = [f"{unit}/WOW" for unit in wheels + structure]
+        self._depth = [f"{unit}/compression-ft" for unit in structure]
         self._wheels = len(wheels)
         self._read = airframe.reader_of([_SINK, *self._on, *self._depth])
 
-    def look(self, before: Near | None) -> Near:
-        """What touches, ``before`` of one period earlier; None if that was out of reach."""
+    def look(self, near: Near | None) -> Near:
+        """What touches, ``near`` of one period earlier; None if that was out of reach."""
         hdot, *values = self._read()
         touches = values[: len(self._on)]
-        exempt = before[2] if before else [True] * len(touches)
+        exempt = near[2] if near else [True] * len(touches)
         return hdot, touches, [bool(a and b) for a, b in zip(exempt, touches, strict=True)]
 
-    def broken(self, before: Near) -> tuple[str, str, float] | None:
+    def broken(self, near: Near) -> tuple[str, str, float] | None:
         """Text of the violation in a period, its property and the value; None if there is none."""
         hdot, *values = self._read()
         n = len(self._on)
         touches, depths = values[:n], values[n:]
-        sink, was, exempt = before
+        sink, was, exempt = near
         if touches == was and not any(depths):
             return None
-        if any(on and not then for on, then in zip(touches, was, strict=True)):
+        if any(on and not touched_then for on, touched_then in zip(touches, was, strict=True)):
             # the sink rate before the contact: the ground has reduced it since
             fastest = min(sink, hdot)
             if -fastest > self._sink_max:
                 what = f"touched the ground faster than {self._sink_max:g} ft/s, rate of climb"
                 return what, _SINK, fastest
-        for name, depth, spared in zip(self._depth, depths, exempt[self._wheels :], strict=True):
-            if depth > self._scrape_max and not spared:
+        for name, depth, depth_0 in zip(self._depth, depths, exempt[self._wheels :], strict=True):
+            if depth > self._scrape_max and not depth_0:
                 return f"touched the ground with a part that is not a wheel, {name}", name, depth
         return None
 

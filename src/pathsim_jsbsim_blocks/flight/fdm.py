@@ -224,8 +224,8 @@ class JSBSimFDM(FlightBlock):
     def _refuse_other_starts(self) -> None:
         """Refuse parameters that start the flight in another way than a file does."""
         file = "initialize" if self.script is None else "script"
-        others = ["condition", "planet", "gear", "flaps", *self._trim_names]
-        for name in [*others, "initialize"] if file == "script" else others:
+        parameters = ["condition", "planet", "gear", "flaps", *self._trim_names]
+        for name in [*parameters, "initialize"] if file == "script" else parameters:
             value = getattr(self, name)
             if np.any(value != self.__dataclass_fields__[name].default):
                 why = f"{name}={value!r} cannot be combined with {file}, which gives the start of "
@@ -260,7 +260,7 @@ class JSBSimFDM(FlightBlock):
     def _places(self) -> list[str]:
         """Inputs that must be connected: the 0 of an open port is not their trimmed value."""
         ports = zip(port_names(self.inputs), self._trimmed, self.inputs.to_array(), strict=False)
-        return [name for name, trimmed, now in ports if abs(trimmed) > _ROUNDING and not now]
+        return [name for name, trimmed, value in ports if abs(trimmed) > _ROUNDING and not value]
 
     def _connect(self) -> tuple[Write, Read]:
         self._check_properties()

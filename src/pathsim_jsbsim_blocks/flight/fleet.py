@@ -108,10 +108,10 @@ def first_trim(
         except TrimError as error:
             first = first or error
     assert first is not None
-    others = len(tries) - 1
-    elsewhere = f" (nor at {others} other conditions)" if others else ""
+    attempts = len(tries) - 1
+    addition = f" (nor at {attempts} other conditions)" if attempts else ""
     flight = "glide" if fields["mode"] == "glide" else "level flight"
-    raise first.reworded(f"no {flight}: {first}{elsewhere}")
+    raise first.reworded(f"no {flight}: {first}{addition}")
 
 
 def prepared(

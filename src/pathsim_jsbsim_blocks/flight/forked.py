@@ -143,17 +143,17 @@ def _interrupts_delayed() -> Iterator[None]:
     """Context in which Ctrl-C waits for its end; other threads than the main one have none."""
     signals: list[tuple[Any, ...]] = []
     main = threading.current_thread() is threading.main_thread()
-    before = signal.getsignal(signal.SIGINT) if main else None
-    if not callable(before):
+    handler = signal.getsignal(signal.SIGINT) if main else None
+    if not callable(handler):
         yield
         return
     signal.signal(signal.SIGINT, lambda *args: signals.append(args))
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, handler)
         if signals:
-            before(*signals[0])
+            handler(*signals[0])
 
 
 class Outcome(enum.Enum):

@@ -150,9 +150,9 @@ class ModelXml:
             for element, number in _within(tree):
                 elements.append((element, number or engine))
                 if (name := element.get("file")) and (file := self._find(element.tag, name)):
-                    included = file, number or engine
-                    if included not in files:
-                        files.append(included)
+                    reference = file, number or engine
+                    if reference not in files:
+                        files.append(reference)
         return tuple(elements)
 
     @cached_property
@@ -318,12 +318,12 @@ def _within(tree: ET.Element) -> list[tuple[ET.Element, str]]:
 def names_in(element: ET.Element) -> list[str]:
     """Properties in an element's text, tests and attributes."""
     text = element.text or ""
-    single = text.strip(), element.get("execute", ""), element.get("value", "")
+    texts = text.strip(), element.get("execute", ""), element.get("value", "")
     for child in element:
         text += f"\n{child.tail or ''}"
-    tested = [word for test in _TEST.findall(text) for word in test]
+    words = [word for test in _TEST.findall(text) for word in test]
     pattern = _NAME if element.tag in _PROPERTIES else _PATH
     # a test may name a property without a slash, which JSBSim looks up when it initialises
-    matches = [_PATH.fullmatch(word) or _NAME.fullmatch(word) for word in tested]
-    matches += [_PATH.fullmatch(word) or pattern.fullmatch(word) for word in single if word]
+    matches = [_PATH.fullmatch(word) or _NAME.fullmatch(word) for word in words]
+    matches += [_PATH.fullmatch(word) or pattern.fullmatch(word) for word in texts if word]
     return [match[1] for match in matches if match]

@@ -65,8 +65,8 @@ class Powerplant(PropertyTree):
             usable.setdefault(is_oxidizer, 0.0)
             # a priority of 0 shuts a tank
             if fdm[f"{path}/priority"] > 0.0:
-                rest = fdm[f"{path}/unusable-volume-gal"] * fdm[f"{path}/density-lbs_per_gal"]
-                usable[is_oxidizer] += max(fdm[f"{path}/contents-lbs"] - rest, 0.0)
+                unusable = fdm[f"{path}/unusable-volume-gal"] * fdm[f"{path}/density-lbs_per_gal"]
+                usable[is_oxidizer] += max(fdm[f"{path}/contents-lbs"] - unusable, 0.0)
         return min(usable.values())
 
     def burning(self) -> list[Engine]:
@@ -148,12 +148,12 @@ class Powerplant(PropertyTree):
     def _command(self, i: int, commands: Mapping[str, float]) -> None:
         """Write commands for one engine, those that its type has."""
         fdm = self.fdm
-        before = fdm["propulsion/active_engine"]
+        active = fdm["propulsion/active_engine"]
         fdm["propulsion/active_engine"] = i
         for command, value in commands.items():
             if self.has(f"propulsion/{command}"):
                 fdm[f"propulsion/{command}"] = value
-        fdm["propulsion/active_engine"] = before
+        fdm["propulsion/active_engine"] = active
 
     @contextlib.contextmanager
     def governors_off(self) -> Iterator[None]:
@@ -209,11 +209,11 @@ class Powerplant(PropertyTree):
         Without a time step JSBSim gives a turbine the thrust of its throttle, running or not.
         """
         names = [f"propulsion/engine[{i}]/reverser-angle-rad" for i in self.stopped]
-        before = {name: self.fdm[name] for name in names if self.has(name)}
+        angles = {name: self.fdm[name] for name in names if self.has(name)}
         try:
-            for name in before:
+            for name in angles:
                 self.fdm[name] = 0.5 * math.pi
             yield
         finally:
-            for name, angle in before.items():
+            for name, angle in angles.items():
                 self.fdm[name] = angle

@@ -48,8 +48,8 @@ def check_ports(
             if property_ in taken:
                 why = f"{parameter} lists {name!r}, but port {taken[property_]!r} writes it already"
                 refuse(parameter, names, why)
-            if other := sources.get(property_):
-                first = f", first as {other!r}" if other != name else ""
+            if name_before := sources.get(property_):
+                first = f", first as {name_before!r}" if name_before != name else ""
                 refuse(parameter, names, f"{parameter} lists {name!r} twice{first}")
             sources[property_] = name
     if names != list(ports):

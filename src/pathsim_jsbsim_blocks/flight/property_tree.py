@@ -202,10 +202,10 @@ class PropertyTree:
         at_the_root = "/fdm/jsbsim/".startswith(f"{place.rstrip('/')}/")
         trunk = "" if at_the_root else f"{place}/"
         i, j = bisect_left(names, place), bisect_left(names, trunk)
-        below = [n for n in names[j : j + 3] if n.startswith(trunk)]
-        if below and (at_the_root or names[i] != place):
+        children = [n for n in names[j : j + 3] if n.startswith(trunk)]
+        if children and (at_the_root or names[i] != place):
             message = f"{name!r} is a branch of the property tree of aircraft {self.aircraft!r}"
-            raise self.property_error(name, f"{message}, not a property", below)
+            raise self.property_error(name, f"{message}, not a property", children)
         return node
 
 

@@ -105,8 +105,8 @@ class StartFile:
         self._reported: dict[str, str] = {}
         for event in run.iterfind("event"):
             self._read(event)
-        declared = [(_plain(p.text or ""), p.get("value", "0")) for p in run.iterfind("property")]
-        self.declared = {n: self._number(n, value) for n, value in declared if n}
+        pairs = [(_plain(p.text or ""), p.get("value", "0")) for p in run.iterfind("property")]
+        self.declared = {n: self._number(n, value) for n, value in pairs if n}
         # an input of the block owns its property
         self._without = {_CONSOLE, *map(_plain, inputs)} & {*self.writes}
 
@@ -124,8 +124,8 @@ class StartFile:
         for element in _conditions_and_functions(event):
             for name in names_in(element):
                 self._names.setdefault(_plain(name), label)
-        for reported in event.iterfind("notify/property"):
-            self._reported.setdefault(_plain(reported.text or ""), label)
+        for element_shown in event.iterfind("notify/property"):
+            self._reported.setdefault(_plain(element_shown.text or ""), label)
 
     def __str__(self) -> str:
         return f"{'script' if self.is_script else 'initialize'} {self.path.name}"
@@ -133,8 +133,8 @@ class StartFile:
     def name(self, root: str | None) -> str:
         """The shortest name by which the file is found: below the JSBSim root, or its path."""
         folder = _root(root)
-        inside = self.path.is_relative_to(folder)
-        return self.path.relative_to(folder).as_posix() if inside else str(self.path)
+        is_below = self.path.is_relative_to(folder)
+        return self.path.relative_to(folder).as_posix() if is_below else str(self.path)
 
     def refuse(self, why: str) -> NoReturn:
         parameter = "script" if self.is_script else "initialize"
@@ -211,8 +211,8 @@ def script_file(script: object, root: str | None, inputs: Iterable[str] = ()) ->
     try:
         model = ModelFile(file.aircraft, root)
     except AircraftError as error:
-        own = [p for p in path.parents if os.path.isdir(p / "aircraft" / file.aircraft)]
-        hint = f"; its JSBSim root is {str(own[0])!r}" if own else ""
+        roots = [p for p in path.parents if os.path.isdir(p / "aircraft" / file.aircraft)]
+        hint = f"; its JSBSim root is {str(roots[0])!r}" if roots else ""
         raise error.reworded(f"{file}: {error}{hint}") from None
     _reset_path("script", file.reset_file, model.path.parent, f"{file}: ")
     return file
@@ -284,13 +284,13 @@ class ScriptRun:
     def step(self) -> None:
         """A step; warn once when the script has ended. JSBSim's errors name the script."""
         fdm = self._fdm
-        before = fdm.get_sim_time()
+        time_at_start = fdm.get_sim_time()
         try:
             going = fdm.run()
         except jsbsim.BaseError as error:
             raise type(error)(f"script {self._name}: {error}") from None
-        if fdm.get_sim_time() < before:
-            self._before += before + fdm.get_delta_t() - fdm.get_sim_time()
+        if fdm.get_sim_time() < time_at_start:
+            self._before += time_at_start + fdm.get_delta_t() - fdm.get_sim_time()
         if not going:
             time = self.time() - self._start
             self.warn("end", f"script {self._name} ends at t = {time:.6g} s: the aircraft flies on")

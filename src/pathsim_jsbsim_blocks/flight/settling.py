@@ -90,41 +90,41 @@ class Settling:
         with airframe.governors_off():
             airframe.start_engines()
         pistons = [e.number for e in airframe.engine_list if e.type == "piston"]
-        stopped = [i for i in airframe.not_running() if i in pistons]
-        if not stopped or not crank:
+        idle = [i for i in airframe.not_running() if i in pistons]
+        if not idle or not crank:
             return
         # JSBSim's start uses steps of 0.5 s, in which some engines stall: crank them instead
-        for i in stopped:
+        for i in idle:
             airframe.crank(i, starter=True)
         with airframe.held():
             for _ in range(round(_CRANKING / airframe.dt)):
                 airframe.fdm.run()
                 if not airframe.not_running():
                     break
-        for i in stopped:
+        for i in idle:
             airframe.crank(i, starter=False)
 
     def settle(self, tolerance: float = 1e-10) -> bool:
         """Settle until a row of steps changes nothing by more than a relative tolerance."""
         rows: list[list[float]] = []
-        cycles, fixed, was_fixed = False, True, False
+        cycles, still, was_fixed = False, True, False
         self.steady, self._remaining = False, _STEPS
         with self._airframe.held():
             while self._remaining > 0 and not self._over():
                 # at first, and where a governor has reached the end of its range; the long steps
                 # would keep a torque limiter from settling
                 slow = len(rows) == _ROWS_OF_A_CYCLE and not cycles
-                if (fixed and not was_fixed and not self._limited) or slow:
+                if (still and not was_fixed and not self._limited) or slow:
                     self._settle_at_fixed_pitch(tolerance)
-                before, pitch = self._all(), self._pitches()
+                start, pitch = self._all(), self._pitches()
                 # the check, and the only steps in which governors and the model's systems act
                 self._run(_ROW, min(self._airframe.dt, self._time_constant()))
                 rows.append(self._all())
-                change, cycles = _change(rows[-1], before), _limit_cycles(rows)
+                change, cycles = _change(rows[-1], start), _limit_cycles(rows)
                 if change <= tolerance or (cycles and change <= _CYCLE):
                     self.steady = True
                     break
-                was_fixed, fixed = fixed, pitch == self._pitches()
+                was_fixed, still = still, pitch == self._pitches()
         self._limited = cycles
         return self.steady
 
@@ -152,10 +152,10 @@ class Settling:
         with self._airframe.governors_off():
             while quiet < _QUIET and self._remaining > reserve:
                 self._run(1, dt)
-                after, previous = self._speeds(), slopes
-                slopes = [(a, (b - a) / dt) for a, b in zip(speeds, after, strict=True)]
+                new_speeds, previous = self._speeds(), slopes
+                slopes = [(a, (b - a) / dt) for a, b in zip(speeds, new_speeds, strict=True)]
                 self._learn(previous, slopes)
-                speeds = after
+                speeds = new_speeds
                 # the relative change per s
                 pairs = zip(speeds, slopes, strict=True)
                 pace = max(abs(rate) / max(abs(x), 1.0) for x, (_, rate) in pairs)
@@ -204,15 +204,15 @@ class Settling:
         airframe, self._remaining = self._airframe, _STEPS
         with airframe.held(), airframe.governors_off():
             self._settle_at_fixed_pitch(1e-10)
-            before = self._speeds()
+            speeds = self._speeds()
             # enough for any growth to show
             self._run(10 * _ROW, airframe.dt / substeps)
-            return _change(self._speeds(), before) <= _FOLLOWS
+            return _change(self._speeds(), speeds) <= _FOLLOWS
 
 
-def _change(after: Sequence[float], before: Sequence[float]) -> float:
+def _change(new: Sequence[float], old: Sequence[float]) -> float:
     """The maximum relative change; infinite if one is not finite."""
-    pairs = zip(after, before, strict=True)
+    pairs = zip(new, old, strict=True)
     change = max((abs(a - b) / max(abs(a), 1.0) for a, b in pairs), default=0.0)
     return change if math.isfinite(change) else math.inf
 

@@ -60,13 +60,13 @@ def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsO
     """Fly an airframe from its trim for a time in s, controls fixed."""
     parts = [f"fcs/{name}-pos-norm" for name in ("elevator", "left-aileron", "right-aileron")]
     parts += ["fcs/rudder-pos-norm", *airframe.of_engines("thrust-lbs")]
-    watched = airframe.reader_of(parts)
-    first, fdm = watched(), airframe.fdm
+    read_parts = airframe.reader_of(parts)
+    first, fdm = read_parts(), airframe.fdm
     # of height in ft/s and of the heading in deg/s along the path
     rates = fdm[property_of("hdot")], math.degrees(fdm["velocities/psidot-rad_sec"])
     names = [*_ACCELERATIONS, *_PATH.values(), STATE["speed"]]
     read, run, dt = airframe.reader_of(names), fdm.run, airframe.dt
-    rows, moved, starved = [read()], first, list[int]()
+    rows, last_parts, without_fuel = [read()], first, list[int]()
     fuel = airframe.fuel()
     step, few, last = 0, max(round(SHORT / dt), 1) + 1, max(round(duration / dt), 1)
     while step < last:
@@ -74,25 +74,25 @@ def fly(airframe: Airframe, condition: TrimCondition, duration: float) -> HandsO
         run()
         rows.append(read())
         if step == few - 1:
-            moved = watched()
+            last_parts = read_parts()
             last = max(last, round(FED / dt) if _drains(fuel, airframe.fuel()) else 0)
         if step == round(FED / dt):
-            starved = airframe.starved()
+            without_fuel = airframe.starved()
     flight = np.array(rows).T
     moves = _what_moves(condition, flight[:4, :few], dt)
     if moves:
-        moves += _culprit(parts, first, moved, fdm[STATE["weight"]])
+        moves += _culprit(parts, first, last_parts, fdm[STATE["weight"]])
     off = _off_the_path(flight[4:-1], rates, dt)
     long = round(LONG / dt) + 1
     height, _, _, bank, _ = (float(x) for x in off[:, -1])
     drift = Drift(duration, height, float(flight[-1, -1] - flight[-1, 0]), bank)
-    return HandsOff(moves, _what_leaves(off[:, :long]), drift, starved)
+    return HandsOff(moves, _what_leaves(off[:, :long]), drift, without_fuel)
 
 
-def _drains(before: Sequence[float], after: Sequence[float]) -> bool:
+def _drains(start: Sequence[float], end: Sequence[float]) -> bool:
     """Whether an engine runs out of fuel within `FED` at its consumption during `SHORT`."""
     times = FED / SHORT - 1.0
-    return any(b < times * (a - b) or b <= 0.0 for a, b in zip(before, after, strict=True))
+    return any(b < times * (a - b) or b <= 0.0 for a, b in zip(start, end, strict=True))
 
 
 def _what_moves(condition: TrimCondition, flight: np.ndarray, dt: float) -> str:
@@ -110,14 +110,14 @@ def _what_moves(condition: TrimCondition, flight: np.ndarray, dt: float) -> str:
     )
 
 
-def _culprit(parts: list[str], before: list[float], after: list[float], weight: float) -> str:
+def _culprit(parts: list[str], start: list[float], end: list[float], weight: float) -> str:
     """Text with the surface or engine that has moved most; empty if none has."""
     sizes = [weight if name.endswith("-lbs") else 1.0 for name in parts]
-    moved = [abs(b - a) / size for a, b, size in zip(before, after, sizes, strict=True)]
-    i = int(np.argmax(moved))
-    if not moved[i] > _SMALL_MOTION:
+    motions = [abs(b - a) / size for a, b, size in zip(start, end, sizes, strict=True)]
+    i = int(np.argmax(motions))
+    if not motions[i] > _SMALL_MOTION:
         return ""
-    return f" ({parts[i]} goes from {before[i]:.3g} to {after[i]:.3g})"
+    return f" ({parts[i]} goes from {start[i]:.3g} to {end[i]:.3g})"
 
 
 def _off_the_path(flight: np.ndarray, rates: tuple[float, float], dt: float) -> np.ndarray:

@@ -173,8 +173,8 @@ class TrimCondition:
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
             bounds = _BOUNDS.get(f.name)
-            unused = value is f.default is None or (f.name == "speed" and self.mach is not None)
-            if bounds is None or unused:
+            is_default = value is f.default is None or (f.name == "speed" and self.mach is not None)
+            if bounds is None or is_default:
                 continue
             if f.name == "altitude" and self.mode == "none":
                 bounds = {**bounds, "high": _HIGHEST}
@@ -232,8 +232,8 @@ class TrimCondition:
         from .reset_file import ResetState
 
         state = ResetState(file, aircraft, root, create)
-        asked = next((mode for mode, trim in MODES.items() if trim == state.trim), "none")
-        fields = state.fields(changes.get("mode", asked))
+        mode_of_file = next((mode for mode, trim in MODES.items() if trim == state.trim), "none")
+        fields = state.fields(changes.get("mode", mode_of_file))
         for name in {*fields, "mach", "gamma", "bank", "latitude", "longitude"} & {*changes} - {
             "mode",
             "setup",
@@ -264,28 +264,28 @@ class TrimCondition:
         for name, choices in (("free", FREE), ("solver", SOLVERS)):
             if getattr(self, name) is not None:
                 one_of(name, getattr(self, name), choices)
-        fixed = [name for name in ("throttle", "thrust") if getattr(self, name) is not None]
-        if fixed and (self.mode in ("ground", "glide", "none") or len(fixed) == 2):
-            other = "thrust" if fixed[1:] else f"mode={self.mode!r}"
-            self._refuse(fixed[0], f"cannot be combined with {other}")
-        powered = self.mode != "glide" and not fixed
-        if self.free is not None and (self.free == "throttle") != powered:
+        settings = [name for name in ("throttle", "thrust") if getattr(self, name) is not None]
+        if settings and (self.mode in ("ground", "glide", "none") or len(settings) == 2):
+            rival = "thrust" if settings[1:] else f"mode={self.mode!r}"
+            self._refuse(settings[0], f"cannot be combined with {rival}")
+        has_throttle = self.mode != "glide" and not settings
+        if self.free is not None and (self.free == "throttle") != has_throttle:
             why = "cannot be combined with a fixed throttle or thrust: free gamma or speed"
-            if powered:
+            if has_throttle:
                 why = "needs a throttle or thrust to hold, or mode='glide'"
             self._refuse("free", why)
         if self.solver == "newton" and self.mode == "none":
             self._refuse("solver", "cannot be combined with mode='none', which does not trim")
         engine_out = self.engines_off and self.mode not in ("ground", "none")
-        if self.solver == "jsbsim" and (self.beta or not powered or engine_out):
+        if self.solver == "jsbsim" and (self.beta or not has_throttle or engine_out):
             why = "cannot trim a glide, a sideslip, a fixed throttle or an engine out: use "
             self._refuse("solver", f"{why}'newton'")
 
     @property
     def balance(self) -> str:
         """The unknown that balances forces along the flight path: "throttle", "gamma", "speed"."""
-        fixed = self.mode == "glide" or self.throttle is not None or self.thrust is not None
-        return self.free or ("gamma" if fixed else "throttle")
+        sets_thrust = self.mode == "glide" or self.throttle is not None or self.thrust is not None
+        return self.free or ("gamma" if sets_thrust else "throttle")
 
     @property
     def searched_by(self) -> str:
@@ -297,14 +297,14 @@ class TrimCondition:
 
     def __str__(self) -> str:
         always = ("altitude", "speed", "mach", "gamma", "mode")
-        unused = ["mach" if self.mach is None else "speed"]
-        unused += ["speed", "mach", "gamma"] * (self.mode == "ground")
+        hidden = ["mach" if self.mach is None else "speed"]
+        hidden += ["speed", "mach", "gamma"] * (self.mode == "ground")
         parts = []
         for f in dataclasses.fields(self):
             value = getattr(self, f.name)
             if isinstance(value, Mapping):
                 parts += [f"{f.name}={value!r}"] * bool(value)
-            elif f.name not in unused and (f.name in always or value != f.default):
+            elif f.name not in hidden and (f.name in always or value != f.default):
                 parts.append(f"{f.name}={value!r}")
         return ", ".join(parts)
 

@@ -123,20 +123,20 @@ def _commands(airframe: Airframe, ending: Ending) -> TrimError | None:
     flight, (bound, _) = ending.flight, _bound(ending)
     remains = dict(zip(flight.used, abs(ending.r).tolist(), strict=True))
     # the throttle of a stopped engine is not the cause
-    stopped = airframe.not_running()
+    idle = airframe.not_running()
     suspects = [
         command
         for command, (unknowns, acceleration) in COMMANDS.items()
         if not (r := remains.get(acceleration, 0.0)) <= 1.0  # NaN remains
         and (bound in ("", *unknowns) or r == max(remains.values()))
-        and not (command == "throttle" and stopped)
+        and not (command == "throttle" and idle)
     ]
     if not any(not effect.moves for effect in effects(flight, ending.x, airframe, suspects)):
         return None
     dead = [
         effect
         for effect in effects(flight, ending.x, airframe)
-        if not effect.moves and not (effect.command == "throttle" and stopped)
+        if not effect.moves and not (effect.command == "throttle" and idle)
     ]
     dead.sort(key=lambda effect: effect.command not in suspects)
     if not dead:
@@ -166,9 +166,9 @@ def _without_effect(airframe: Airframe, effect: Effect) -> str:
         sources = airframe.sources(command.replace("-cmd-", "-pos-"))
         sources = () if command in sources else sources
     if effect.written_by_model or sources:
-        own = [name for name in sources if effect.command in name]
+        writers = [name for name in sources if effect.command in name]
         why += ": the model writes it itself"
-        why += f", from {', '.join(own)}" if own else ""
+        why += f", from {', '.join(writers)}" if writers else ""
     elif effect.command == "throttle" and airframe.has_kind("rocket"):
         why += ": JSBSim's rockets give no thrust while fuel is frozen, as in a trim"
     return why
@@ -178,8 +178,8 @@ def _starved(airframe: Airframe, ending: Ending) -> TrimError | None:
     if not (ending.flown and ending.flown.starved) or ending.state.condition.mode == "glide":
         return None
     engines = [e for e in airframe.engine_list if e.number in ending.flown.starved]
-    other = ending.other or airframe
-    return no_fuel(other, ending.state.condition, engines, ending.residuals)
+    trial = ending.other or airframe
+    return no_fuel(trial, ending.state.condition, engines, ending.residuals)
 
 
 def no_fuel(
@@ -200,12 +200,12 @@ def no_fuel(
     why += ", ".join(f"{name} = {x:.3g}" for name, x in {**shut, **empty}.items())
     why += " (shut by the model or the setup: open its valves)" if shut else ""
     # only tanks that feed no engine can be behind a closed valve
-    fed = {tank for engine in airframe.engine_list for tank in engine.tanks}
-    others = [name for i, name in enumerate(airframe.tanks) if i not in fed and fdm[name] > 0.0]
-    if others:
-        why += f"; {', '.join(others)} hold fuel that the model's own fuel system does not pass on"
-    why += "; fuel=[...] of the condition fills tanks" if empty and not others else ""
-    reason = "fuel valve" if shut or others else "fuel"
+    feeders = {tank for engine in airframe.engine_list for tank in engine.tanks}
+    spare = [name for i, name in enumerate(airframe.tanks) if i not in feeders and fdm[name] > 0.0]
+    if spare:
+        why += f"; {', '.join(spare)} hold fuel that the model's own fuel system does not pass on"
+    why += "; fuel=[...] of the condition fills tanks" if empty and not spare else ""
+    reason = "fuel valve" if shut or spare else "fuel"
     return failure(
         airframe,
         condition,
@@ -219,11 +219,11 @@ def no_fuel(
 
 def _stopped(airframe: Airframe, ending: Ending) -> TrimError | None:
     """The error of engines that do not run; it names a mixture with which they would."""
-    stopped = airframe.not_running()
-    if not stopped or ending.state.condition.mode == "glide":
+    idle = airframe.not_running()
+    if not idle or ending.state.condition.mode == "glide":
         return None
-    engines = f"engine{'s' * (len(stopped) > 1)} {', '.join(map(str, stopped))}"
-    pistons = [e.number for e in airframe.engine_list if e.type == "piston" and e.number in stopped]
+    engines = f"engine{'s' * (len(idle) > 1)} {', '.join(map(str, idle))}"
+    pistons = [e.number for e in airframe.engine_list if e.type == "piston" and e.number in idle]
     mixture = min(_BEST_POWER * airframe.fdm["atmosphere/P-psf"] / _SEA_LEVEL, 1.0)
     better = {f"fcs/mixture-cmd-norm[{i}]": round(mixture, 2) for i in pistons}
     if better and _runs(airframe, ending, better):
@@ -231,23 +231,23 @@ def _stopped(airframe: Airframe, ending: Ending) -> TrimError | None:
         what = "rich" if present > mixture else "lean"
         why = f"{engines} stopped: the mixture, {present:.3g}, is too {what}; it runs with "
         why += f"setup={better}"
-        return _error(airframe, ending, "mixture", why, engines=stopped, properties=better)
+        return _error(airframe, ending, "mixture", why, engines=idle, properties=better)
     why = f"{engines} had fuel and did not run"
     if pistons:
         why += ", neither by JSBSim's start nor by starter and ignition, with a leaner mixture too"
-    return _error(airframe, ending, "engine", why, engines=stopped)
+    return _error(airframe, ending, "engine", why, engines=idle)
 
 
 def _runs(airframe: Airframe, ending: Ending, setup: Mapping[str, float]) -> bool:
     """Whether the engines of another aircraft at the condition run with other properties."""
-    other, condition = airframe.twin(), ending.state.condition
-    other.resemble(airframe)
-    other.write(setup)
-    with other.fuel_frozen(), other.engines_stopped():
-        initialise(other, condition, condition.heading)
-        trial = SteadyFlight(other, condition, Effort(), ending.flight.in_time)
+    trial_airframe, condition = airframe.twin(), ending.state.condition
+    trial_airframe.resemble(airframe)
+    trial_airframe.write(setup)
+    with trial_airframe.fuel_frozen(), trial_airframe.engines_stopped():
+        initialise(trial_airframe, condition, condition.heading)
+        trial = SteadyFlight(trial_airframe, condition, Effort(), ending.flight.in_time)
         trial.settled(trial.guess(3.0, 0.9))
-    return not other.not_running()
+    return not trial_airframe.not_running()
 
 
 def _light(airframe: Airframe, ending: Ending) -> TrimError | None:
@@ -294,12 +294,12 @@ def _bound(ending: Ending) -> tuple[str, float | None]:
     flight, x, r = ending.flight, ending.x, ending.r
     name = _binding(ending)
     if not name and "throttle" in flight.names:
-        other = with_throttle_at_end(flight, x, r)
+        x_end = with_throttle_at_end(flight, x, r)
         i = flight.names.index("throttle")
-        stuck = x[i] in (flight.low[i], flight.high[i]) or abs(r[0]) == abs(r).max()
+        at_end = x[i] in (flight.low[i], flight.high[i]) or abs(r[0]) == abs(r).max()
         # even the whole range would not be enough
-        if stuck and flight.settled(other)[0] * r[0] > 0.0:
-            name, x = "throttle", other
+        if at_end and flight.settled(x_end)[0] * r[0] > 0.0:
+            name, x = "throttle", x_end
     return name, float(x[flight.names.index(name)]) if name else None
 
 

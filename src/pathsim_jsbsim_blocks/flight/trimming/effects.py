@@ -56,9 +56,9 @@ def command_effects(
     They are those at an angle of attack of 3 deg and half throttle, not of a trim, which need not
     exist. Without an engine there is no throttle.
     """
-    written = properties(airframe, condition, setup)
-    airframe.write(written, "setup")
-    airframe.stopped = engines_off(airframe, condition, written)
+    settings = properties(airframe, condition, setup)
+    airframe.write(settings, "setup")
+    airframe.stopped = engines_off(airframe, condition, settings)
     with airframe.fuel_frozen(), airframe.engines_stopped():
         initialise(airframe, condition, condition.heading)
         in_time = airframe.has_kind("turboprop")
@@ -71,7 +71,7 @@ def effects(
     flight: SteadyFlight, x: np.ndarray, airframe: Airframe, commands: Iterable[str] = COMMANDS
 ) -> Iterator[Effect]:
     """The effects, near a state, of commands among the search's unknowns."""
-    before = _at_rest(flight, x)
+    base = _at_rest(flight, x)
     for command in commands:
         unknowns, acceleration = COMMANDS[command]
         name = next((name for name in unknowns if name in flight.names), "")
@@ -81,23 +81,23 @@ def effects(
         i, y = flight.names.index(name), x.copy()
         step = _STEP if x[i] + _STEP <= flight.high[i] else -_STEP
         y[i] += step
-        moved = flight.settled(y)
-        own = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
+        motion = flight.settled(y)
+        rewrites = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
         # without the command, what systems with memory (airships) change meanwhile
         again = flight.settled(x)
         row = flight.used.index(acceleration)
-        change = float(moved[row] - 0.5 * (before[row] + again[row]))
-        before = again
+        change = float(motion[row] - 0.5 * (base[row] + again[row]))
+        base = again
         size = change * RESIDUALS[acceleration] / step
         moves = not abs(change) <= _NONE  # NaN is an effect
-        yield Effect(command, tuple(names), acceleration, size, moves, own)
+        yield Effect(command, tuple(names), acceleration, size, moves, rewrites)
 
 
 def _at_rest(flight: SteadyFlight, x: np.ndarray) -> np.ndarray:
     """Residuals at a state once they repeat, if they do (airships drift)."""
     r = flight.settled(x)
     for _ in range(_REPEATS):
-        before, r = r, flight.settled(x)
-        if size(r - before) <= 1.0:
+        last, r = r, flight.settled(x)
+        if size(r - last) <= 1.0:
             break
     return r

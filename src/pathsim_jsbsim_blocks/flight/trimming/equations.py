@@ -205,11 +205,11 @@ class SteadyFlight:
         i = self.names.index("pitch_trim")
         y = x.copy()
         y[i] += 0.1
-        before = self.residuals(x)
+        base = self.residuals(x)
         self._put(y)
         first, second = self._accelerations(), self._accelerations()
         self.has_memory = not size(second - first) <= _SETTLED
-        if size(second - before) <= _SETTLED:
+        if size(second - base) <= _SETTLED:
             self.without_pitch_trim()
 
     def guess(self, alpha: float, throttle: float) -> np.ndarray:
@@ -240,8 +240,8 @@ class SteadyFlight:
             self._put(x)
             r = self._accelerations()
         for _ in range(_READINGS if self.has_memory else 0):
-            before, r = r, self._accelerations()
-            if size(r - before) <= _SETTLED:
+            last, r = r, self._accelerations()
+            if size(r - last) <= _SETTLED:
                 break
         return r
 
@@ -261,10 +261,10 @@ class SteadyFlight:
         has_memory, self.has_memory = self.has_memory, True
         r = self.settled(x)
         self.has_memory = has_memory
-        now = zip(RESIDUALS, self._all_residuals(), strict=True)
-        left = {name: value - self._targets[name] for name, value in now}
+        values = zip(RESIDUALS, self._all_residuals(), strict=True)
+        residuals = {name: value - self._targets[name] for name, value in values}
         self._forget()
-        return r, left
+        return r, residuals
 
     def hold(self, x: np.ndarray) -> None:
         """Set the airframe to a state from another one."""
@@ -290,17 +290,17 @@ class SteadyFlight:
             if "rate" in values:
                 rate = values["rate"]
             else:  # r u - p w = g sin(phi) cos(theta): no side force
-                along = math.cos(theta) * math.cos(phi) * math.cos(alpha)
-                along += math.sin(theta) * math.sin(alpha)
+                forward = math.cos(theta) * math.cos(phi) * math.cos(alpha)
+                forward += math.sin(theta) * math.sin(alpha)
                 rate = self._gravity * math.sin(phi) * math.cos(theta)
-                rate /= v * math.cos(beta) * along
+                rate /= v * math.cos(beta) * forward
             p = -rate * math.sin(theta)
             q = rate * math.cos(theta) * math.sin(phi)
             r = rate * math.cos(theta) * math.cos(phi)
         elif condition.mode == "pull-up":
             q = self._gravity * (condition.load_factor - math.cos(gamma)) / v
-        across = v * math.cos(beta)
-        ground = across * math.cos(alpha), v * math.sin(beta), across * math.sin(alpha)
+        level_speed = v * math.cos(beta)
+        ground = level_speed * math.cos(alpha), v * math.sin(beta), level_speed * math.sin(alpha)
         if self._wind is not None:
             wind = _to_body(phi, theta, psi) @ self._wind
             ground = tuple((wind + ground).tolist())

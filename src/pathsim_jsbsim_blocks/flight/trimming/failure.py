@@ -40,7 +40,7 @@ def failure(
 ) -> TrimError:
     """The error, with further data of a `TrimError`."""
     fdm = airframe.fdm
-    reached = "without trim" if residuals is None else "at best"
+    state_text = "without trim" if residuals is None else "at best"
     if residuals is None:
         residuals = {name: fdm[STATE[name]] for name in LIMITS}
     alpha_min, alpha_max = alpha_range(airframe)
@@ -60,9 +60,9 @@ def failure(
         why += f", {limit + 0.0:.4g}"
     if zeros := airframe.created_as_zero():
         why += f" ({zeros})"
-    left = ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
+    text = ", ".join(f"{name}={value:.3g}" for name, value in residuals.items())
     return TrimError(
-        f"aircraft {airframe.aircraft!r} does not trim at {condition}: {why}; {reached} {left} "
+        f"aircraft {airframe.aircraft!r} does not trim at {condition}: {why}; {state_text} {text} "
         "(ft/s2, rad/s2)",
         aircraft=airframe.aircraft,
         condition=condition,

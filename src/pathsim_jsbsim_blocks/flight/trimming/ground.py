@@ -53,19 +53,19 @@ def let_down(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
     Another airframe is let down without power. From its place of rest Newton's method balances the
     accelerations with engines at idle and brakes as they are.
     """
-    rest = _place_of_rest(airframe, condition)
-    if rest is None:
+    stand = _place_of_rest(airframe, condition)
+    if stand is None:
         why = f"let down with brakes on, it does not come to rest within {_LONGEST:g} s"
         raise failure(airframe, condition, "no equilibrium", why)
-    _set(airframe, condition, rest)
+    _set(airframe, condition, stand)
     engines = Settling(airframe)
     if engines.required:
         engines.start()
         engines.settle()
-    place = _balanced(airframe, condition, rest)
+    place = _balanced(airframe, condition, stand)
     r = _set(airframe, condition, place)
     airframe.fdm.set_sim_time(0.0)
-    if not (abs(place - rest) <= _NEAR).all() or not abs(r).max() <= 1.0:
+    if not (abs(place - stand) <= _NEAR).all() or not abs(r).max() <= 1.0:
         residuals = dict(zip(_BALANCED, (r * _TOLERANCES).tolist(), strict=True))
         why = "it came to rest, but near this place the search did not converge"
         raise failure(airframe, condition, "no convergence", why, residuals)
@@ -74,23 +74,23 @@ def let_down(airframe: Airframe, condition: TrimCondition) -> tuple[str, ...]:
 
 def _place_of_rest(airframe: Airframe, condition: TrimCondition) -> np.ndarray | None:
     """Height in ft, pitch and bank in rad at which it comes to rest; None if it does not."""
-    other = airframe.twin(_STEP)
-    other.resemble(airframe)
-    other.stopped = frozenset(range(other.engines))
-    fdm, place = other.fdm, other.reader_of(_PLACE)
-    with other.fuel_frozen(), other.engines_stopped():
-        initialise(other, condition, condition.heading)
-        _set(other, condition, np.array([_lowest(other) + _CLEARANCE, 0.0, 0.0]))
+    twin = airframe.twin(_STEP)
+    twin.resemble(airframe)
+    twin.stopped = frozenset(range(twin.engines))
+    fdm, place = twin.fdm, twin.reader_of(_PLACE)
+    with twin.fuel_frozen(), twin.engines_stopped():
+        initialise(twin, condition, condition.heading)
+        _set(twin, condition, np.array([_lowest(twin) + _CLEARANCE, 0.0, 0.0]))
         for side in ("left", "center", "right"):
             fdm[f"fcs/{side}-brake-cmd-norm"] = 1.0
-        before = np.array(place())
+        start = np.array(place())
         for _ in range(round(_LONGEST / _INTERVAL)):
-            for _ in range(round(_INTERVAL / other.dt)):
+            for _ in range(round(_INTERVAL / twin.dt)):
                 fdm.run()
-            after = np.array(place())
-            if (abs(after - before) <= _RESTS).all():
-                return after
-            before = after
+            end = np.array(place())
+            if (abs(end - start) <= _RESTS).all():
+                return end
+            start = end
     return None
 
 

@@ -75,29 +75,29 @@ def read_back(
     properties that cannot be read.
     """
     # the elevator takes the place of a pitch trim without effect
-    moved = "|".join({*free, "pitch_trim"} if free else ()).replace("_", "-")
+    unknowns = "|".join({*free, "pitch_trim"} if free else ()).replace("_", "-")
     for name, value in {**condition.setup, **mapping("setup", setup)}.items():
         path = airframe.canonical(name)
-        solved = re.fullmatch(rf"fcs/({moved})-cmd-norm(\[\d+\])?", path)
+        is_unknown = re.fullmatch(rf"fcs/({unknowns})-cmd-norm(\[\d+\])?", path)
         # tanks were checked when written, and engines may have run since
-        if solved or path.endswith("/contents-lbs") or "r" not in airframe.access(name):
+        if is_unknown or path.endswith("/contents-lbs") or "r" not in airframe.access(name):
             continue
         # JSBSim keeps the rates of the initial conditions, which a trim does not have
-        now = airframe.reader(re.sub(r"ic/([pqr]-rad_sec)", r"velocities/\1", path))()
-        if not math.isclose(now, value, rel_tol=_ROUNDING, abs_tol=1e-3 * _ROUNDING):
+        result = airframe.reader(re.sub(r"ic/([pqr]-rad_sec)", r"velocities/\1", path))()
+        if not math.isclose(result, value, rel_tol=_ROUNDING, abs_tol=1e-3 * _ROUNDING):
             fields = [field for pattern, field in _FIELDS.items() if re.fullmatch(pattern, path)]
             instead = f"set {fields[0]} of the condition" if fields else "write it after the trim"
             if path.startswith("ic/") and condition.mode != "none":
                 instead += ", or start without a trim (mode='none')"
-            why = f"setup[{name!r}] is overwritten: set to {value!r}, it is {now:.7g} after "
+            why = f"setup[{name!r}] is overwritten: set to {value!r}, it is {result:.7g} after "
             refuse("setup", name, f"{why}initialisation and trim; {instead}")
 
 
 def _loading(condition: TrimCondition) -> dict[str, float]:
     """Mass, configuration, place and trim limits as properties."""
     payload, fuel = dict(condition.payload), dict(condition.fuel)  # type: ignore[arg-type]
-    written = {f"inertia/pointmass-weight-lbs[{i}]": w for i, w in payload.items()}
-    written |= {f"propulsion/tank[{i}]/contents-lbs": w for i, w in fuel.items()}
+    weights = {f"inertia/pointmass-weight-lbs[{i}]": w for i, w in payload.items()}
+    weights |= {f"propulsion/tank[{i}]/contents-lbs": w for i, w in fuel.items()}
     for value, *names in (
         (condition.gear, "gear/gear-cmd-norm", "gear/gear-pos-norm"),
         (condition.flaps, "fcs/flap-cmd-norm", "fcs/flap-pos-norm"),
@@ -105,34 +105,34 @@ def _loading(condition: TrimCondition) -> dict[str, float]:
         (condition.longitude, "ic/long-gc-deg"),
     ):
         if value is not None:
-            written |= dict.fromkeys(names, value)
+            weights |= dict.fromkeys(names, value)
     for end in ("min", "max"):
         if (alpha := getattr(condition, f"alpha_{end}")) is not None:
-            written[f"aero/alpha-{end}-rad"] = math.radians(alpha)
-    return written
+            weights[f"aero/alpha-{end}-rad"] = math.radians(alpha)
+    return weights
 
 
 def engines_off(
-    airframe: Airframe, condition: TrimCondition, written: Mapping[str, float]
+    airframe: Airframe, condition: TrimCondition, settings: Mapping[str, float]
 ) -> frozenset[int]:
     """The engines that do not run, from the condition or the properties written before the trim."""
     engines = set(range(airframe.engines))
-    stopped = engines if condition.engines_off == "all" else set(condition.engines_off)
-    if not stopped <= engines:
+    off = engines if condition.engines_off == "all" else set(condition.engines_off)
+    if not off <= engines:
         why = f"engines_off={condition.engines_off!r}: aircraft {airframe.aircraft!r} has "
         why += f"the engines 0 to {len(engines) - 1}" if engines else "no engine"
         refuse("engines_off", condition.engines_off, why)
-    for name, value in written.items():
+    for name, value in settings.items():
         number = ENGINE_RUNS.fullmatch(name)
         if number and value == 0.0:
-            stopped = stopped | {int(number[1] or 0)}
+            off = off | {int(number[1] or 0)}
         elif name == "propulsion/set-running" and value >= 0.0:
             # JSBSim starts only this engine
-            stopped = stopped | engines - {int(value)}
-    for engine in airframe.engine_list if stopped else ():
-        if engine.number in stopped and engine.follows_throttle:
+            off = off | engines - {int(value)}
+    for engine in airframe.engine_list if off else ():
+        if engine.number in off and engine.follows_throttle:
             refuse("engines_off", condition.engines_off, cannot_stop(engine))
-    return frozenset(stopped)  # type: ignore[arg-type]
+    return frozenset(off)  # type: ignore[arg-type]
 
 
 def is_initial(name: str) -> bool:
@@ -208,8 +208,10 @@ def start_from_file(airframe: Airframe, setup: Mapping[str, float] | None) -> Tr
     airframe.start_outputs()
     airframe.run_ic()
     fdm = airframe.fdm
-    asked = fdm.get_ic().trim_requested()
-    if asked != jsbsim.TrimMode.NONE and (why := failure_of(jsbsim.FGTrim(fdm, asked).do_trim)):
+    requested_trim = fdm.get_ic().trim_requested()
+    if requested_trim != jsbsim.TrimMode.NONE and (
+        why := failure_of(jsbsim.FGTrim(fdm, requested_trim).do_trim)
+    ):
         warn_user(f"{airframe.start}: the trim at the start failed: {why}")
     altitude, speed = fdm[property_of("h")], fdm[property_of("vc")]
     condition = TrimCondition(altitude, speed, mode="none")
@@ -249,24 +251,24 @@ def present_condition(
     names = [field.name for field in dataclasses.fields(TrimCondition)]
     for name in changes:
         one_of("change", name, names)
-    fdm, now = airframe.fdm, read_state(airframe, condition)
+    fdm, state = airframe.fdm, read_state(airframe, condition)
     # at rest it has no path
-    climb = fdm[property_of("hdot")] / now.tas if now.tas else 0.0
+    climb = fdm[property_of("hdot")] / state.tas if state.tas else 0.0
     mode = "full" if condition.mode in ("ground", "none", "pull-up") else condition.mode
-    before = {**condition.setup, **mapping("setup", setup)}
+    values = {**condition.setup, **mapping("setup", setup)}
     masses = map("inertia/pointmass-weight-lbs[{}]".format, itertools.count())
     present: dict[str, Any] = {
-        "altitude": now.altitude,
-        "speed": now.speed,
+        "altitude": state.altitude,
+        "speed": state.speed,
         "mach": None,
         # relative to the air, unlike JSBSim's own
         "gamma": math.degrees(math.asin(min(max(climb, -1.0), 1.0))),
-        "heading": now.psi,
-        "bank": now.phi if changes.get("mode", mode) == "turn" else 0.0,
+        "heading": state.psi,
+        "bank": state.phi if changes.get("mode", mode) == "turn" else 0.0,
         "load_factor": 1.0,
         "mode": mode,
-        "gear": min(max(now.gear, 0.0), 1.0),
-        "flaps": min(max(now.flaps, 0.0), 1.0),
+        "gear": min(max(state.gear, 0.0), 1.0),
+        "flaps": min(max(state.flaps, 0.0), 1.0),
         # rounded, because still air has rounding errors
         "wind_north": round(fdm["atmosphere/total-wind-north-fps"], 9) + 0.0,
         "wind_east": round(fdm["atmosphere/total-wind-east-fps"], 9) + 0.0,
@@ -275,6 +277,6 @@ def present_condition(
         "latitude": fdm[property_of("lat")],
         "longitude": fdm[property_of("lon")],
         "engines_off": [i for i, runs in airframe.marks().items() if not runs],
-        "setup": {n: v for n, v in before.items() if not _PRESENT.match(airframe.canonical(n))},
+        "setup": {n: v for n, v in values.items() if not _PRESENT.match(airframe.canonical(n))},
     }
     return dataclasses.replace(condition, **{**present, **changes})

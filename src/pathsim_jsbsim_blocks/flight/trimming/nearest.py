@@ -44,12 +44,12 @@ def with_nearest(
 ) -> TrimError:
     """The error of a failed trim, with the nearest airspeed that trims."""
     condition = error.condition
-    powered = len(airframe.stopped) < airframe.engines or condition.balance != "throttle"
+    has_power = len(airframe.stopped) < airframe.engines or condition.balance != "throttle"
     wants = (
         condition.searched_by == "newton"
         and condition.mode != "ground"
         and condition.balance != "speed"
-        and powered
+        and has_power
     )
     if not wants or error.reason not in _CURABLE:
         return error
@@ -71,12 +71,12 @@ def _nearest_speed(
     trimmer = Trimmer(airframe)
 
     def trims(knots: float, warm: bool = True) -> TrimCondition | None:
-        other = dataclasses.replace(condition, speed=knots, mach=None)
+        trial = dataclasses.replace(condition, speed=knots, mach=None)
         try:
-            trimmer.trim(other, setup, warm=warm)
+            trimmer.trim(trial, setup, warm=warm)
         except (TrimError, AircraftError):  # at another speed a model may not even initialise
             return None
-        return other
+        return trial
 
     try:
         initialise(airframe, condition, condition.heading)

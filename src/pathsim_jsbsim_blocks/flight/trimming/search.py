@@ -78,20 +78,20 @@ def descend(
         y, ry, shorter = better
         if shorter < 0.5 * norm:
             # Broyden's update in the scaled unknowns
-            moved = (y - x) / flight.strides
+            move = (y - x) / flight.strides
             gap = ry - r - slopes @ (y - x)
-            slopes = slopes + gap[:, None] * (moved / flight.strides / (moved @ moved))
+            slopes = slopes + gap[:, None] * (move / flight.strides / (move @ move))
         else:
             slopes = None
         x, r, norm = y, ry, shorter
     return Reached(x, r, slopes)
 
 
-def _is_hopeless(flight: SteadyFlight, to: np.ndarray, left: float) -> bool:
+def _is_hopeless(flight: SteadyFlight, to: np.ndarray, residual: float) -> bool:
     """Whether a step would leave too large a fraction of the residuals."""
-    if left <= _MAX_LEFT_AT_LIMIT:
+    if residual <= _MAX_LEFT_AT_LIMIT:
         return False
-    return left > _MAX_LEFT or bool(((to <= flight.low) | (to >= flight.high)).any())
+    return residual > _MAX_LEFT or bool(((to <= flight.low) | (to >= flight.high)).any())
 
 
 def _shortened(
@@ -107,12 +107,12 @@ def _shortened(
     return None
 
 
-def at_one_limit(flight: SteadyFlight, one: Reached, other: Reached) -> bool:
+def at_one_limit(flight: SteadyFlight, one: Reached, two: Reached) -> bool:
     """Whether two searches have ended at the same limit, with similar residuals."""
-    low = (one.x <= flight.low) & (other.x <= flight.low)
-    high = (one.x >= flight.high) & (other.x >= flight.high)
-    apart = np.linalg.norm(one.residuals - other.residuals)
-    return bool((low | high).any() and apart < _SAME_END * np.linalg.norm(one.residuals))
+    low = (one.x <= flight.low) & (two.x <= flight.low)
+    high = (one.x >= flight.high) & (two.x >= flight.high)
+    gap = np.linalg.norm(one.residuals - two.residuals)
+    return bool((low | high).any() and gap < _SAME_END * np.linalg.norm(one.residuals))
 
 
 def _norm(r: np.ndarray) -> float:
@@ -123,11 +123,11 @@ def _norm(r: np.ndarray) -> float:
 def _step(flight: SteadyFlight, x: np.ndarray, r: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """The step of Newton, or the best one within limits and strides."""
     strides = flight.strides
-    scaled = slopes * strides
+    matrix = slopes * strides
     # at a limit the interval would be empty
     low = np.minimum(np.maximum((flight.low - x) / strides, -1.0), -1e-12)
     high = np.maximum(np.minimum((flight.high - x) / strides, 1.0), 1e-12)
-    return bounded(scaled, -r, low, high, solution(scaled, -r)) * strides
+    return bounded(matrix, -r, low, high, solution(matrix, -r)) * strides
 
 
 def bounded(
@@ -136,16 +136,16 @@ def bounded(
     """Least squares of a x - b within limits, low < high; ``best`` is the optimum without them."""
     # the active set method of Stark and Parker (1995), started with the limits that the optimum
     # without limits exceeds; scipy's lsq_linear is slower, also to import
-    held = (best < low) | (best > high)
-    if not any(held.tolist()):
+    at_bound = (best < low) | (best > high)
+    if not any(at_bound.tolist()):
         return best
     x = np.minimum(np.maximum(best, low), high)
     square, aim, unit = a.T @ a, a.T @ b, np.eye(len(best))
     limits = list(zip(low.tolist(), high.tolist(), strict=True))
     for _ in range(4 * len(x)):
-        fixed = np.where(held, x, 0.0)
-        aims = np.where(held, fixed, aim - square @ fixed)
-        y = solution(np.where(held[:, None] | held, unit, square), aims)
+        x_bound = np.where(at_bound, x, 0.0)
+        aims = np.where(at_bound, x_bound, aim - square @ x_bound)
+        y = solution(np.where(at_bound[:, None] | at_bound, unit, square), aims)
         # fractions of the step to each limit
         ways = [
             1.0 if least <= to <= most else ((least if to < least else most) - at) / (to - at)
@@ -156,16 +156,16 @@ def bounded(
             i = ways.index(way)
             x = x + max(way, 0.0) * (y - x)
             x[i] = low[i] if y[i] < low[i] else high[i]
-            held[i] = True
+            at_bound[i] = True
             continue
         x = y
         # Lagrange multipliers of the active limits; a negative one means that it can be released
         uphill = square @ x - aim
-        back = np.where(held, np.where(x <= low, uphill, -uphill), 0.0)
+        back = np.where(at_bound, np.where(x <= low, uphill, -uphill), 0.0)
         i = int(back.argmin())
         if back[i] >= -1e-10 * (1.0 + abs(uphill).max()):
             break
-        held[i] = False
+        at_bound[i] = False
     return x
 
 

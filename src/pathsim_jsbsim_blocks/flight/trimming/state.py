@@ -173,8 +173,8 @@ class TrimState:
             values = value if isinstance(value, tuple) else (value,)
             if name in units and values:
                 # adding 0 turns -0.0 into 0.0
-                rounded = [round(x, 6) + 0.0 for x in values]
-                numbers = "".join(f"{x % 360.0 if name == 'psi' else x:14.6f}" for x in rounded)
+                digits = [round(x, 6) + 0.0 for x in values]
+                numbers = "".join(f"{x % 360.0 if name == 'psi' else x:14.6f}" for x in digits)
                 degrees = f" ({math.degrees(value):.4f} deg)" if units[name] == "rad" else ""
                 lines.append(f"  {name:<13}{numbers} {units[name]}{degrees}".rstrip())
         if self.free:

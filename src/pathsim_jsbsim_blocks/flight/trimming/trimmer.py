@@ -110,7 +110,7 @@ class Trimmer:
             self._renew()
         seed, self._seed = self._seed if warm else None, None
         # unusable until the Newton search succeeds
-        used, self._used, self._spent = self._used, True, True
+        is_used, self._used, self._spent = self._used, True, True
         try:
             self._initialise(condition, setup)
             self._refuse_impossible(condition)
@@ -121,16 +121,16 @@ class Trimmer:
                 elif self.airframe.has_kind("turboprop"):
                     # turboprops have power only if time advances
                     ways = [True]
-                return self._by_newton(condition, setup, seed, used, ways, fly)
+                return self._by_newton(condition, setup, seed, is_used, ways, fly)
         finally:
             if not by_jsbsim:
                 self.airframe.freeze_fuel(False)
         state = self._by_jsbsim(condition)
         if fly <= check.SHORT or condition.mode in ("none", "ground", "pull-up"):
             return state, None
-        other = self.airframe.twin()
-        Trimmer(other).trim(condition, setup)
-        return state, check.fly(other, condition, fly)
+        twin = self.airframe.twin()
+        Trimmer(twin).trim(condition, setup)
+        return state, check.fly(twin, condition, fly)
 
     def _renew(self) -> None:
         self.airframe.renew()
@@ -140,23 +140,23 @@ class Trimmer:
     def _initialise(self, condition: TrimCondition, setup: Mapping[str, float] | None) -> None:
         """Write a condition, start the engines and initialise; refuse engines without fuel."""
         airframe = self.airframe
-        written = properties(airframe, condition, setup)
+        settings = properties(airframe, condition, setup)
         # without a search, initial conditions of a setup replace the condition's
         initial = {}
         if condition.mode == "none":
-            initial = {n: v for n, v in written.items() if is_initial(airframe.canonical(n))}
-        airframe.write({n: v for n, v in written.items() if n not in initial}, "setup")
-        airframe.stopped = engines_off(airframe, condition, written)
+            initial = {n: v for n, v in settings.items() if is_initial(airframe.canonical(n))}
+        airframe.write({n: v for n, v in settings.items() if n not in initial}, "setup")
+        airframe.stopped = engines_off(airframe, condition, settings)
         if condition.mode in ("none", "ground"):
             self._start(airframe, condition, initial)
         elif condition.searched_by == "jsbsim":
             self._start(airframe, condition)
             if airframe.without_fuel():
                 # on a twin, so that JSBSim's search starts with an unchanged model
-                other = airframe.twin()
-                other.resemble(airframe)
-                with other.fuel_frozen():
-                    self._start_with_fuel(other, condition)
+                twin = airframe.twin()
+                twin.resemble(airframe)
+                with twin.fuel_frozen():
+                    self._start_with_fuel(twin, condition)
         else:
             airframe.freeze_fuel()
             self._start_with_fuel(airframe, condition)
@@ -198,25 +198,25 @@ class Trimmer:
             why = f"Mach {mach:.3g}: propellers give thrust below Mach 1 only"
             raise failure(airframe, condition, "mach", why)
         # a search may still make other quantities, such as thrust, finite
-        if broken := [name for name in LIMITS if not math.isfinite(fdm[STATE[name]])]:
-            why = f"{', '.join(broken)} not finite at this condition"
+        if faults := [name for name in LIMITS if not math.isfinite(fdm[STATE[name]])]:
+            why = f"{', '.join(faults)} not finite at this condition"
             raise failure(airframe, condition, "no convergence", why)
-        powered = len(airframe.stopped) < airframe.engines
-        if not powered and condition.mode != "ground" and condition.balance == "throttle":
+        has_power = len(airframe.stopped) < airframe.engines
+        if not has_power and condition.mode != "ground" and condition.balance == "throttle":
             raise failure(airframe, condition, "thrust")
 
     def _by_jsbsim(self, condition: TrimCondition) -> TrimState:
         """Trim by JSBSim's own search or on the ground; in mode "none" the initial state."""
-        airframe, moved = self.airframe, tuple[str, ...]()
+        airframe, unknowns = self.airframe, tuple[str, ...]()
         if condition.mode == "ground" and condition.searched_by == "newton":
             with airframe.engines_stopped():
-                moved = ground.let_down(airframe, condition)
+                unknowns = ground.let_down(airframe, condition)
         elif condition.mode != "none":
             with airframe.engines_stopped():
-                moved = jsbsim.find(airframe, condition)
-        state = read_state(airframe, condition, moved)
-        if broken := not_finite(state):
-            why = f"{', '.join(broken)} not finite after the trim"
+                unknowns = jsbsim.find(airframe, condition)
+        state = read_state(airframe, condition, unknowns)
+        if faults := not_finite(state):
+            why = f"{', '.join(faults)} not finite after the trim"
             raise failure(airframe, condition, "no convergence", why)
         return state
 
@@ -225,7 +225,7 @@ class Trimmer:
         condition: TrimCondition,
         setup: Mapping[str, float] | None,
         seed: Seed | None,
-        used: bool,
+        is_used: bool,
         ways: Sequence[bool],
         fly: float,
     ) -> tuple[TrimState, HandsOff | None]:
@@ -238,10 +238,10 @@ class Trimmer:
             if ending and ending.holds(airframe):
                 return ending.state, ending.flown
         for in_time in ways:
-            if used and (in_time != ways[0] or self._leaves_traces):
+            if is_used and (in_time != ways[0] or self._leaves_traces):
                 self._renew()
                 self._initialise(condition, setup)
-            used = True
+            is_used = True
             with airframe.engines_stopped():
                 ending = self._from_guesses(condition, seed, in_time, fly)
                 if ending.holds(airframe):
@@ -260,8 +260,8 @@ class Trimmer:
         flight = SteadyFlight(self.airframe, condition, self._effort, seed.in_time)
         if not seed.set_up(flight):
             return None
-        reached = descend(flight, seed.x, seed.slopes)
-        ending = self._ending(condition, flight, reached, fly) if reached.size <= POLISHED else None
+        outcome = descend(flight, seed.x, seed.slopes)
+        ending = self._ending(condition, flight, outcome, fly) if outcome.size <= POLISHED else None
         if not (ending and ending.holds(self.airframe)):
             self._effort.steps = 0
         return ending
@@ -277,8 +277,8 @@ class Trimmer:
             flight.try_out()
         self._leaves_traces = flight.leaves_traces
         best: Reached | None = None
-        for reached in self._ends(flight, slopes):
-            best = reached if best is None or reached.size < best.size else best
+        for outcome in self._ends(flight, slopes):
+            best = outcome if best is None or outcome.size < best.size else best
             if best.size <= 1.0 or self._effort.over or self.airframe.not_running():
                 break
         assert best is not None
@@ -289,13 +289,13 @@ class Trimmer:
         """Ends of searches from the first guesses in turn; the first search uses ``slopes``."""
         ends: list[Reached] = []
         for alpha, throttle in _GUESSES:
-            reached = descend(flight, flight.guess(alpha, throttle), slopes, ends=ends)
-            yield reached
-            if ends and at_one_limit(flight, ends[-1], reached):
+            outcome = descend(flight, flight.guess(alpha, throttle), slopes, ends=ends)
+            yield outcome
+            if ends and at_one_limit(flight, ends[-1], outcome):
                 # two searches from distant guesses end at the same limit: so would the others
                 break
-            ends.append(reached)
-            slopes = reached.slopes
+            ends.append(outcome)
+            slopes = outcome.slopes
         if (x := _within_thrust(flight, ends[-1])) is not None:
             yield descend(flight, x)
         i = flight.names.index("alpha")
@@ -343,51 +343,51 @@ class Trimmer:
             self._leaves_traces, self._spent = flight.leaves_traces, False
         return ending
 
-    def _keep(self, flight: SteadyFlight, reached: Reached, *, trimmed: bool) -> None:
+    def _keep(self, flight: SteadyFlight, outcome: Reached, *, trimmed: bool) -> None:
         """Store the end of a search for the next trim."""
-        if reached.slopes is not None:
-            end = reached.x, reached.slopes, flight.has_memory, flight.in_time
+        if outcome.slopes is not None:
+            end = outcome.x, outcome.slopes, flight.has_memory, flight.in_time
             self._seed = Seed(flight.names, *end, trimmed)
 
     def _flown(
         self, condition: TrimCondition, flight: SteadyFlight, x: np.ndarray, fly: float
     ) -> tuple[HandsOff, Airframe]:
         """A flight of a second aircraft from the airframe's trim."""
-        other = self._stand_in = self._stand_in or self.airframe.twin()
-        other.resemble(self.airframe)
-        with other.fuel_frozen(), other.engines_stopped():
-            initialise(other, condition, condition.heading)
-            other.fdm[STATE["elevator"]] = self.airframe.fdm[STATE["elevator"]]
-            trial = SteadyFlight(other, condition, Effort(), flight.in_time)
+        trial_airframe = self._stand_in = self._stand_in or self.airframe.twin()
+        trial_airframe.resemble(self.airframe)
+        with trial_airframe.fuel_frozen(), trial_airframe.engines_stopped():
+            initialise(trial_airframe, condition, condition.heading)
+            trial_airframe.fdm[STATE["elevator"]] = self.airframe.fdm[STATE["elevator"]]
+            trial = SteadyFlight(trial_airframe, condition, Effort(), flight.in_time)
             if "elevator" in flight.names:
                 trial.without_pitch_trim()
             trial.has_memory = flight.has_memory
             trial.hold(x)
-        flown = check.fly(other, condition, fly)
+        flown = check.fly(trial_airframe, condition, fly)
         if flown.moves or flown.leaves or flown.starved or fly > check.SHORT:
             self._stand_in = None
-        return flown, other
+        return flown, trial_airframe
 
 
 _trimmers: weakref.WeakKeyDictionary[Airframe, Trimmer] = weakref.WeakKeyDictionary()
 
 
-def _within_thrust(flight: SteadyFlight, reached: Reached) -> np.ndarray | None:
+def _within_thrust(flight: SteadyFlight, outcome: Reached) -> np.ndarray | None:
     """The unknowns with a throttle between too much and too little thrust, if there is one.
 
     Above a torque limit the throttle has no effect, so a search cannot return from there.
     """
     if "throttle" not in flight.names or flight.effort.over:
         return None
-    i, too_much = flight.names.index("throttle"), reached.residuals[0] > 0.0
-    x = with_throttle_at_end(flight, reached.x, reached.residuals)
-    inside, end = reached.x[i], x[i]
-    if inside == end or (flight.settled(x)[0] > 0.0) == too_much:
+    i, too_much = flight.names.index("throttle"), outcome.residuals[0] > 0.0
+    x = with_throttle_at_end(flight, outcome.x, outcome.residuals)
+    low_end, end = outcome.x[i], x[i]
+    if low_end == end or (flight.settled(x)[0] > 0.0) == too_much:
         return None
     for _ in range(_HALVINGS):
-        x[i] = 0.5 * (inside + end)
+        x[i] = 0.5 * (low_end + end)
         if (flight.settled(x)[0] > 0.0) == too_much:
-            inside = x[i]
+            low_end = x[i]
         else:
             end = x[i]
     return x
