@@ -465,7 +465,7 @@ class Autopilot(GuidedHold):
             target, increment = reference
             throttle = (initial if target is None else target) + increment
             spare = throttle - sat - initial
-            speed = speed._replace(law=speed.law._replace(u=initial, held=initial))
+            speed = speed._replace(law=speed.law._replace(u=initial, memory=initial))
             return clip(throttle, low, high), speed, LeverState(initial, spare, hdot)
         fraction = clip(hdot / (rate or 1.0), 0.0, 1.0)
         spare *= fraction
