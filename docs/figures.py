@@ -13,12 +13,13 @@ matplotlib.use("agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import to_rgb
+from matplotlib.patches import FancyBboxPatch
 
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
 
 FOLDER = Path(__file__).resolve().parent / "concepts" / "figures"
-# the same file for the same figure
-matplotlib.rcParams["svg.hashsalt"] = "pathsim-jsbsim-blocks"
+SAME = {"svg.hashsalt": "pathsim-jsbsim-blocks"}  # the same file for the same figure
 
 # readable on white and on black
 BODY, AIR, EARTH, FORCE = "#3484e0", "#e07b39", "#3f9b54", "#e0524a"
@@ -199,9 +200,15 @@ def wind():
 
 def euler():
     """The three rotations in their order, each from the axes of the one before, and all in one."""
-    figure, panels = canvas(4, 14.0, 4.2)
+    names = ("above", "side", "behind", "together")
+    figure, axes = plt.subplot_mosaic(
+        [names[:3], ["together"] * 3],
+        figsize=(9.5, 8.2),
+        layout="constrained",
+        height_ratios=(1, 1.35),
+    )
     psi, theta, phi = 35, 20, 25
-    above, side, behind, together = panels
+    above, side, behind, together = (axes[name] for name in names)
     aircraft(above, plan(90 - psi, 0.72))
     arrow(above, 90, 1.2, EARTH, "north")
     arrow(above, 0, 1.15, EARTH, "east", dx=0.12)
@@ -211,7 +218,7 @@ def euler():
     arc(above, -psi, 0, 0.9, r"$\psi$", ink())
     aircraft(side, outline(theta, 0.9))
     arrow(side, 0, 1.25, EARTH, r"$x_1$", dx=0.03)
-    arrow(side, -90, 1.05, EARTH, "down", dx=-0.18)
+    arrow(side, -90, 1.05, EARTH, "down", dx=-0.22)
     arrow(side, theta, 1.25, BODY, r"$x_B$", dx=0.03)
     arrow(side, theta - 90, 1.05, BODY, r"$z_2$")
     arc(side, 0, theta, 1.0, r"$\theta$", ink())
@@ -223,39 +230,120 @@ def euler():
     arrow(behind, -90 - phi, 1.05, BODY, r"$z_B$", dx=-0.03)
     arc(behind, -phi, 0, 1.0, r"$\phi$", ink())
     arc(behind, -90 - phi, -90, 0.75, r"$\phi$", ink())
-    titles = (
-        "1. heading $\\psi$ about down\nfrom above",
-        "2. pitch $\\theta$ about $y_1$\nfrom the right",
-        "3. roll $\\phi$ about $x_B$\nfrom behind",
-        "NED and body axes\nin one view",
-    )
-    both_frames(together, phi, theta, psi)
-    for ax, text in zip(panels, titles, strict=True):
-        ax.set(xlim=(-1.35, 1.55), ylim=(-1.35, 1.95))
-        titled(ax, text, 0.1, 1.52)
+    titles = {
+        "above": "1. heading $\\psi$ about down\nfrom above",
+        "side": "2. pitch $\\theta$ about $y_1$\nfrom the right",
+        "behind": "3. roll $\\phi$ about $x_B$\nfrom behind",
+    }
+    for name, text in titles.items():
+        axes[name].set(xlim=(-1.4, 1.6), ylim=(-1.35, 1.95))
+        titled(axes[name], text, 0.1, 1.5)
+    in_one_view(together, phi, theta, psi)
+    for ax in axes.values():
+        ax.set_aspect("equal")
+        ax.axis("off")
     return figure
 
 
-def both_frames(ax, phi, theta, psi):
-    """NED and body axes in one view, projected along a line of sight."""
+def to_ned(phi, theta, psi):
+    """The rotation from body axes to NED, for angles in deg."""
     (cp, ct, cs), (sp, st, ss) = (f(np.radians([phi, theta, psi])) for f in (np.cos, np.sin))
-    to_ned = np.array(
+    return np.array(
         [
             [ct * cs, sp * st * cs - cp * ss, cp * st * cs + sp * ss],
             [ct * ss, sp * st * ss + cp * cs, cp * st * ss - sp * cs],
             [-st, sp * ct, cp * ct],
         ]
     )
-    # north leads up to the left, east to the right, down downwards
-    seen = np.array([[-0.50, 0.87, 0.0], [0.55, 0.10, -0.85]])
-    for axes, colour, names in (
-        (np.eye(3), EARTH, ("north", "east", "down")),
-        (to_ned, BODY, (r"$x_B$", r"$y_B$", r"$z_B$")),
+
+
+# of the aircraft in one view: x forward, y right, z down
+PARTS = {
+    "fin": [(-0.72, 0, -0.08), (-0.9, 0, -0.42), (-1.03, 0, -0.42), (-0.98, 0, 0)],
+    "tailplane": [
+        (-0.72, 0.42, 0),
+        (-0.9, 0.42, 0),
+        (-0.98, 0, 0),
+        (-0.9, -0.42, 0),
+        (-0.72, -0.42, 0),
+    ],
+    "wing": [
+        (0.28, 1.25, -0.1),
+        (0.02, 1.25, -0.1),
+        (-0.06, 0, -0.1),
+        (0.02, -1.25, -0.1),
+        (0.28, -1.25, -0.1),
+        (0.36, 0, -0.1),
+    ],
+    "fuselage": [
+        (1, 0, 0),
+        (0.8, 0, -0.12),
+        (0.3, 0, -0.2),
+        (-0.1, 0, -0.2),
+        (-0.98, 0, -0.06),
+        (-0.98, 0, 0.02),
+        (0, 0, 0.16),
+        (0.8, 0, 0.13),
+    ],
+}
+
+
+def in_one_view(ax, phi, theta, psi):
+    """The aircraft, NED and body axes and the three angles, seen from the south-east and above."""
+    look, down = np.radians(-32), np.radians(30)  # heading of the line of sight, and its slope
+    screen = np.array(
+        [
+            [-np.sin(look), np.cos(look), 0.0],
+            [np.cos(look) * np.sin(down), np.sin(look) * np.sin(down), -np.cos(down)],
+        ]
+    )
+    body, heading = to_ned(phi, theta, psi), to_ned(0, 0, psi)
+    for part in PARTS.values():
+        ax.fill(
+            *(screen @ body @ np.transpose(part)),
+            facecolor="#9aa5b1",
+            alpha=0.4,
+            edgecolor=ink(),
+            lw=0.8,
+        )
+
+    def direction(axis, length, colour, text, dashed=False, **offset):
+        x, y = screen @ axis
+        angle = np.degrees(np.arctan2(y, x))
+        arrow(ax, angle, length * np.hypot(x, y), colour, text, dashed=dashed, **offset)
+
+    for axis, text in zip(np.eye(3), ("north", "east", "down"), strict=True):
+        direction(axis, 1.6 if text != "down" else 1.1, EARTH, text)
+    direction(heading[:, 0], 1.75, INERTIAL, r"$x_1$", dashed=True, dx=0.05)
+    direction(heading[:, 1], 1.6, INERTIAL, r"$y_1$", dashed=True, dx=0.12, dy=0.1)
+    for axis, text, length in zip(
+        body.T, (r"$x_B$", r"$y_B$", r"$z_B$"), (1.75, 1.6, 1.1), strict=True
     ):
-        for axis, name in zip(axes.T, names, strict=True):
-            x, y = seen @ axis
-            aside = 0.14 if name == "east" else 0.0  # beside the arrow, which is level
-            arrow(ax, np.degrees(np.arctan2(y, x)), 1.3 * np.hypot(x, y), colour, name, dx=aside)
+        direction(axis, length, BODY, text)
+
+    def angle(begin, end, radius, text, dx=0.0):
+        """An arc from one unit vector to another."""
+        share = np.linspace(0.0, 1.0, 40)
+        between = np.arccos(begin @ end)
+        points = np.outer(begin, np.sin((1 - share) * between)) + np.outer(
+            end, np.sin(share * between)
+        )
+        x, y = screen @ (radius * points / np.sin(between))
+        ax.plot(x, y, color=FORCE, lw=1.6)
+        ax.text(
+            1.1 * x[20] + dx, 1.1 * y[20], text, color=FORCE, ha="center", va="center", fontsize=12
+        )
+
+    angle(np.eye(3)[0], heading[:, 0], 1.35, r"$\psi$")
+    angle(heading[:, 0], body[:, 0], 1.5, r"$\theta$")
+    angle(heading[:, 1], body[:, 1], 1.3, r"$\phi$", dx=-0.16)
+    ax.set(xlim=(-1.6, 2.1), ylim=(-1.35, 1.25))
+    titled(
+        ax,
+        "in one view; dashed: the axes after the heading",
+        0.25,
+        1.15,
+    )
 
 
 def globe(x, y, z, turn=25.0, tilt=22.0):
@@ -415,6 +503,73 @@ def climb():
     top.set(xlim=(-1.5, 1.6), ylim=(-1.55, 1.75))
     titled(ax, "from the right side", 0.2, 1.55)
     titled(top, "from above, in a sideslip", 0.05, 1.55)
+    return figure
+
+
+def flow():
+    """From a model in XML to a figure and a track: the parts, and what passes between them."""
+    figure, (ax,) = canvas(1, 9.5, 4.8)
+    colours = {"file": STABILITY, "block": BODY, "result": EARTH}
+
+    def box(x, y, title, text, kind, width=1.7, height=0.86):
+        corner = (x - width / 2, y - height / 2)
+        frame = FancyBboxPatch(corner, width, height, "round,pad=0.02,rounding_size=0.08")
+        frame.set(facecolor=(*to_rgb(colours[kind]), 0.14), edgecolor=colours[kind], linewidth=1.4)
+        ax.add_patch(frame)
+        ax.text(x, y + 0.2, title, color=ink(), ha="center", va="center", weight="bold")
+        ax.text(x, y - 0.14, text, color=ink(), ha="center", va="center", fontsize=9)
+
+    def wire(*points, text="", at=(0, 0)):
+        x, y = np.transpose(points)
+        ax.plot(x[:-1], y[:-1], color=GRID, lw=1.6)
+        ax.annotate(
+            "",
+            xy=points[-1],
+            xytext=points[-2],
+            arrowprops={"arrowstyle": "-|>", "color": GRID, "lw": 1.6, "shrinkA": 0, "shrinkB": 0},
+        )
+        ax.text(*at, text, color=ink(), ha="center", va="center", fontsize=9)
+
+    diagram = FancyBboxPatch((2.15, -1.72), 4.9, 3.6, "round,pad=0.02,rounding_size=0.1")
+    diagram.set(facecolor="none", edgecolor=INERTIAL, linewidth=1.2, linestyle="--")
+    ax.add_patch(diagram)
+    ax.text(2.3, 1.68, "the diagram: a Simulation of PathSim", color=ink(), va="center")
+    ax.plot([2.4, 6.8], [1.05, 1.05], color=AIR, lw=1.4)
+    for x in np.linspace(2.4, 6.8, 23):
+        ax.plot(
+            [x, x],
+            [1.05, 1.05 + (0.16 if round((x - 2.4) / 0.2) % 4 == 0 else 0.08)],
+            color=AIR,
+            lw=1.4,
+        )
+    ax.text(2.4, 1.35, r"PathSim's clock: $t_k = k\,T$", color=AIR, va="center", fontsize=9)
+    for x in (3.5, 5.9):
+        wire((x, 1.02), (x, 0.5))
+    box(0.85, 1.1, "XML", "aircraft, engines,\nsystems", "file")
+    box(0.85, -0.1, "Trim", "state and controls\nof the condition", "block")
+    box(3.5, 0.02, "Aircraft", "sampled block: JSBSim\nadvances by $T$", "block", 2.0)
+    box(5.9, 0.02, "PitchHold", "sampled block:\na control law", "block", 1.8)
+    box(5.9, -1.2, "Scope", "records each step", "block", 1.8, 0.7)
+    box(8.5, -1.2, "Figures", "time histories, tables", "result", 1.9, 0.7)
+    box(8.5, -2.2, "Track", "KML, Tacview, HTML,\nFlightGear", "result", 1.9)
+    box(8.5, 1.25, "PathView", "the same diagram\nin an editor", "result", 1.9)
+    wire((0.85, 0.65), (0.85, 0.35))
+    wire((1.72, -0.1), (2.48, -0.1))
+    wire((4.52, 0.02), (4.98, 0.02), text=r"$\theta, q$", at=(4.75, 0.17))
+    wire(
+        (6.4, 0.47),
+        (6.4, 0.78),
+        (3.0, 0.78),
+        (3.0, 0.47),
+        text=r"elevator increment",
+        at=(4.7, 0.66),
+    )
+    wire((3.9, -0.43), (3.9, -1.2), (4.98, -1.2), text="any signals", at=(4.4, -1.06))
+    wire((6.82, -1.2), (7.53, -1.2))
+    wire((3.1, -0.43), (3.1, -2.2), (7.53, -2.2), text="position, attitude", at=(5.0, -2.08))
+    wire((7.09, 1.25), (7.53, 1.25))
+    wire((7.53, 1.4), (7.09, 1.4))
+    ax.set(xlim=(-0.1, 9.6), ylim=(-2.7, 2.0))
     return figure
 
 
@@ -591,9 +746,9 @@ def points():
 
 def main():
     FOLDER.mkdir(exist_ok=True)
-    for draw in (structural, wind, euler, earth, climb, banked, controls, points):
+    for draw in (structural, wind, euler, earth, climb, banked, controls, points, flow):
         for style, suffix in (("default", ""), ("dark_background", "-dark")):
-            with plt.style.context(style):
+            with plt.style.context((style, SAME)):
                 figure = draw()
                 figure.savefig(
                     FOLDER / f"{draw.__name__}{suffix}.svg",

@@ -190,6 +190,64 @@ def test_anchors_are_headings(page):
             assert anchor in {*slugs(other)}, f"{target}#{anchor}"
 
 
+# what a link promises with these words, and how a section of a page or a chapter shows it
+SHOWN = {
+    r"(?:figure|picture|chart|plot)s?": r"!\[|^```\{image\}|image/png|\.pdf",
+    r"tables?": r"^\||image/png|text/html|\.csv|^```\{csv-table\}",
+}
+
+
+def section(page, anchor):
+    """The text of a page below a heading, up to the next of its rank; of a chapter its outputs too."""
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".ipynb":
+        cells = json.loads(text)["cells"]
+        outputs = [json.dumps(cell.get("outputs", "")) for cell in cells]
+        text = "\n".join(
+            f"{''.join(c['source'])}\n{o}" for c, o in zip(cells, outputs, strict=True)
+        )
+    parts = re.split(r"^(#+ .*)$", text, flags=re.M)
+    if not anchor:
+        return text
+    headings, bodies = parts[1::2], parts[2::2]
+    names = [re.sub(r"[^\w -]", "", h.lstrip("# ").lower()).replace(" ", "-") for h in headings]
+    start = names.index(anchor)
+    rank = len(headings[start].split()[0])
+    end = next(
+        (i for i in range(start + 1, len(names)) if len(headings[i].split()[0]) <= rank), None
+    )
+    return "".join(bodies[start:end])
+
+
+def broken_promises(page):
+    """Links whose text names a figure or a table that the section of their target lacks."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    for link, target, anchor in re.findall(r"(?<!!)\[([^]\[]*)\]\(([^)#\s]*)#?([^)\s]*)\)", text):
+        other = page.parent / target if target else page
+        if target.startswith("http") or other.suffix not in (".md", ".ipynb"):
+            continue
+        words = re.sub(r"`[^`]*`", "", link)
+        for promise, sign in SHOWN.items():
+            if re.search(rf"\b{promise}\b", words, re.I) and not re.search(
+                sign, section(other, anchor), re.M
+            ):
+                yield link
+
+
+@pytest.mark.parametrize("page", [*PAGES, *CHAPTERS], ids=lambda p: p.name)
+def test_a_link_keeps_the_promise_of_its_text(page):
+    assert [*broken_promises(page)] == []
+
+
+def test_a_link_to_a_missing_figure_is_listed(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text(
+        "# One\n[the figure](#two), [a figure](#three), [a table](#two), [`figure()`](#two)\n"
+        "## Two\n![x](x.png)\n## Three\nNo.\n"
+    )
+    assert [*broken_promises(page)] == ["a figure", "a table"]
+
+
 def test_pages_have_every_folder_and_every_hold():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     folders = [m.name for m in pkgutil.iter_modules(package.__path__) if m.ispkg]

@@ -3,6 +3,7 @@
 import base64
 import importlib
 import io
+import itertools
 import re
 import sys
 from pathlib import Path
@@ -41,6 +42,21 @@ def test_a_notebook_has_the_cells_of_its_source(name):
     assert 'pip install ".[course]"' in opening
     assert "pathsim-jsbsim course" in opening
     assert text.count("$$") >= 2
+
+
+@pytest.mark.parametrize("name", notebooks.names())
+def test_a_chapter_asks(name):
+    cells = notebooks.source(name).cells
+    for head in ("*Aim:*", "*Assumed:*", "*Time:*", "minutes"):
+        assert head in cells[0].source, head
+    after = {"**Predict.**": [], "**Exercise.**": []}
+    for cell, following in itertools.pairwise(cells):
+        for question, answers in after.items():
+            if question in cell.source:
+                assert following.cell_type == "code", question
+                answers.append(following.source)
+    assert after["**Predict.**"]
+    assert any("assert " in answer for answer in after["**Exercise.**"])
 
 
 def test_every_block_picture_is_in_a_chapter():

@@ -118,7 +118,8 @@ sim = Simulation(
 )
 
 # %% [markdown]
-# A second of flight (`log=False` leaves out PathSim's progress lines). Both give the same numbers:
+# **Predict.** JSBSim alone has flown 120 steps. After 1 s of the diagram, by how many feet do the two altitudes differ? The next cell
+# flies the second (`log=False` leaves out PathSim's progress lines).
 
 # %%
 sim.run(1.0)
@@ -135,8 +136,11 @@ for (name, value), block in zip(
     alone.items(), [*recorded[:, -1], plane.outputs["psi"]]
 ):
     print(f"{name:22} {value:9.4f} {block:9.4f}")
+    assert value == block
 
 # %% [markdown]
+# **Answer.** By none: not a bit differs.
+#
 # The block also keeps time with the diagram under any solver, refuses names that do not exist, and prevents models from
 # opening sockets, writing files and printing.
 
@@ -185,6 +189,20 @@ diagram.sim.run(diagram.DURATION)
 print(
     f"{diagram.aircraft.outputs['h']:.4f} ft after {diagram.sim.time:.0f} s"
 )
+
+# %% [markdown]
+# **Exercise.** The velocity in body axes is $u$ forward and $w$ down. Compute the true airspeed and the angle of attack from `u-fps` and
+# `w-fps`; JSBSim's own are `vt-fps` and `aero/alpha-deg`. The next cell has a solution.
+
+# %%
+import math
+
+u, w = fdm["velocities/u-fps"], fdm["velocities/w-fps"]
+speed = math.hypot(u, w)  # ft/s
+alpha = math.degrees(math.atan2(w, u))
+print(f"{speed:.2f} ft/s, {alpha:.3f} deg")
+assert abs(speed - fdm["velocities/vt-fps"]) < 0.01
+assert abs(alpha - fdm["aero/alpha-deg"]) < 0.001
 
 # %% [markdown]
 # ## In short

@@ -166,8 +166,47 @@ sim = Simulation(
     dt=1 / 120,
     log=False,
 )
+
+# %% [markdown]
+# **Predict.** After 5 s the ailerons return to neutral. At 30 s, is the bank back at zero, as it was at 5 s, or twice as large? The next cell has
+# the answer.
+
+# %%
 sim.run(30.0)
-time_histories(response, title="c172p: aileron -0.15 for 5 s")
+time, (command, bank, altitude, heading) = response.read()
+for t in (5.0, 30.0):
+    print(f"{t:2.0f} s: bank {bank[abs(time - t).argmin()]:.1f} deg")
+
+# %% [markdown]
+# **Answer.** As it was at 5 s, and a little steeper: the ailerons set a roll rate, not a bank angle, and nothing levels the wings.
+#
+# `time_histories` has drawn the figures so far. This is the code of one, for figures of your own: a panel for each unit above a shared
+# time axis, a second axis for the command, and a heading that continues below 0.
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+# PathSim sets 1, which draws curves as polygons
+plt.rcParams["path.simplify_threshold"] = 1 / 9
+figure, axes = plt.subplots(
+    3, 1, sharex=True, layout="constrained", figsize=(8, 6.3)
+)
+panels = {
+    "roll angle [deg]": bank,
+    "altitude [ft]": altitude,
+    "heading [deg]": np.unwrap(heading, period=360),
+}
+for ax, (label, values) in zip(axes, panels.items()):
+    ax.plot(time, values)
+    ax.set_ylabel(label)
+    ax.grid(alpha=0.4)
+right = axes[0].twinx()
+right.step(time, 100 * command, "C1--", where="post")
+right.set_ylabel("aileron command [%]", color="C1")
+axes[-1].set_xlabel("time [s]")
+figure.suptitle("c172p: aileron -0.15 for 5 s")
+plt.show()
 
 # %%
 time, (latitude, longitude) = track.read()
@@ -176,8 +215,7 @@ ground_track(
 )
 
 # %% [markdown]
-# A fixed aileron sets a roll rate, not a bank angle: the aircraft rolls to -57 deg and keeps turning and descending after
-# the aileron returns to neutral.
+# The aircraft rolls to -57 deg and keeps turning and descending after the aileron returns to neutral.
 #
 # In a level turn the vertical part of the lift carries the weight, $L\cos\phi = mg$, and its horizontal part bends the path,
 # $L\sin\phi = mV\dot\psi$. Divided:

@@ -85,6 +85,19 @@ print(f"first swing to the other side {x.min():.4f}")
 print(f"exact                         {exact:.4f}")
 
 # %% [markdown]
+# **Predict.** With twice the damping ratio, is the first swing half as large? The next cell flies it: a changed gain takes effect at once, and
+# `reset` returns the integrators to their initial values.
+
+# %%
+damping.gain = -2.0 * (2 * zeta) * wn
+sim.reset()
+sim.run(20.0)
+_, (x, v) = scope.read()
+print(f"first swing with zeta = {2 * zeta:g}: {x.min():.4f}")
+
+# %% [markdown]
+# **Answer.** Smaller than half: the damping ratio is in the exponent, and the swing also lasts longer.
+#
 # ## A step response
 #
 # $$\tau \dot y + y = u, \qquad y(t) = 1 - e^{-t/\tau}$$

@@ -115,6 +115,8 @@ print(
 # ## The shorter way
 #
 # The diagram is in the catalogue. Its values can be changed on loading: here half the amplitude.
+#
+# **Predict.** Alpha swung by 2.08 deg above its trim of 4.32 deg, and by 2.50 deg below. What is its range now? The next cell has the answer.
 
 # %%
 from pathsim_jsbsim_blocks.catalogue import load_diagram
@@ -125,6 +127,9 @@ _, (_, half) = diagram.scope.read()
 print(f"alpha from {half.min():.2f} to {half.max():.2f} deg")
 
 # %% [markdown]
+# **Answer.** Half of both swings, to 0.01 deg: the aircraft is almost linear here. [Linear models](../linear-models.md) build on this, and the
+# diagram `doublet_linear_nonlinear` plots both.
+#
 # **Exercise.** Read the natural frequency of the short period off the figure: the time from a maximum of alpha to the next is a damped
 # period $2\pi / (\omega_n\sqrt{1 - \zeta^2})$. The aircraft's linear model has the answer.
 
@@ -137,9 +142,6 @@ print(f"{answer:.2f} rad/s read, {short.frequency:.2f} rad/s in the model")
 assert abs(answer / short.frequency - 1) < 0.2
 
 # %% [markdown]
-# Half the command gives half the response, to 0.01 deg: the aircraft is almost linear here.
-# [Linear models](../linear-models.md) build on this, and the diagram `doublet_linear_nonlinear` plots both.
-#
 # ## In short
 #
 # - `setup` sets payload and fuel before the trim; JSBSim trims with the trim wheel, so the elevator command is 0.

@@ -163,6 +163,32 @@ for rate in (60, 120):
     print(f"{rate} Hz: off by at most {error:.3f} deg")
 
 # %% [markdown]
+# **Exercise.** With a step of 1 deg in place of the ramp, and with the whole reference in the proportional part ($b = 1$), the pitch angle
+# overshoots by 11 % of the step. Which $b$ reduces this to less than 5 % without loss of speed, that is to more than 1 %?
+
+
+# %%
+def overshoot(b):
+    """Of a step of 1 deg, in per cent."""
+    plane = Aircraft("c172p", altitude=5000, speed=90)
+    gains = {"Kp": 0.1, "Ki": 0.12, "Kr": 0.004, "b": b, "ramp": 90.0}
+    hold, scope = PitchHold(gains, theta_ref=plane.trim.theta + 1), Scope()
+    wires = [
+        Connection(plane["theta"], hold["theta"], scope),
+        Connection(plane["q"], hold["q"]),
+        Connection(hold["elevator"], plane["elevator"]),
+    ]
+    Simulation([plane, hold, scope], wires, dt=1 / 120, log=False).run(6.0)
+    return 100 * (scope.read()[1][0].max() - hold.theta_ref)
+
+
+answer = 0.6
+print(
+    f"b = 1: {overshoot(1.0):.1f} %, b = {answer}: {overshoot(answer):.1f} %"
+)
+assert 1 < overshoot(answer) < 5
+
+# %% [markdown]
 # ## The shorter way
 #
 # `pitch_hold` and `pitch_hold_primitives` are in the catalogue.

@@ -21,7 +21,7 @@
 #
 # A `Source` is a function of time: here an altitude that rises by 100 m/s.
 #
-# **Predict.** At 11 km, is the density nearer to a half or to a third of that at sea level? The figure has the answer.
+# **Predict.** At 11 km, is the density nearer to a half or to a third of that at sea level? The next cell has the answer.
 
 # %%
 import matplotlib.pyplot as plt
@@ -74,8 +74,11 @@ for ax, (label, values) in zip(axes.flat, panels.items()):
     ax.grid(alpha=0.4)
 figure.suptitle("International Standard Atmosphere to 11 km")
 plt.show()
+print(f"density at 11 km: {density[-1] / density[0]:.3f} of sea level's")
 
 # %% [markdown]
+# **Answer.** Nearer to a third: the pressure falls to 0.22, and the air that remains is colder, hence denser.
+#
 # ## Calibrated and true airspeed
 #
 # An airspeed indicator shows the speed that would cause the measured impact pressure $q_c$ at sea level (CAS). The true
@@ -84,6 +87,14 @@ plt.show()
 # $$
 # q_c = p_0 \left[ \left( 1 + \frac{\mathrm{CAS}^2}{5\,a_0^2} \right)^{7/2} - 1 \right], \qquad
 # \mathrm{TAS} = a \sqrt{5 \left[ \left( \frac{q_c}{p} + 1 \right)^{2/7} - 1 \right]}
+# $$
+#
+# The air that stops at the pitot tube is compressed without losses, which gives the first formula in three lines. Its kinetic energy
+# heats it ($c_p = 3.5\,R$, $a^2 = 1.4\,R\,T$); its pressure follows the temperature by the isentropic law; the indicator assumes $p_0$ and $a_0$:
+#
+# $$
+# \frac{T_t}{T} = 1 + \frac{V^2}{2\,c_p T} = 1 + \frac{V^2}{5\,a^2}, \qquad \frac{p_t}{p} = \left(\frac{T_t}{T}\right)^{7/2}, \qquad
+# q_c = p_t - p
 # $$
 #
 # Both hold below Mach 1; the blocks use Rayleigh's formula above. With $\mathrm{TAS} = \mathrm{CAS} / \sqrt{\rho / \rho_0}$, as in the published
@@ -102,6 +113,19 @@ for level in (0, 5_000, 10_000, 20_000, 30_000, 40_000):
         f"{level:13,d}  {120:8.1f}  {true:8.1f}  {true / 120:7.3f}  "
         f"{wrong:22.1f}"
     )
+
+# %% [markdown]
+# **Exercise.** At 20,000 ft the pitot tube measures an impact pressure of 5 kPa. Compute CAS and TAS in knots from the formulas, the first
+# solved for CAS.
+
+# %%
+p0, a0, impact = 101325.0, 340.294, 5000.0  # Pa, m/s, Pa
+level = isa(20000 * foot)
+cas = a0 * (5 * ((impact / p0 + 1) ** (2 / 7) - 1)) ** 0.5
+ratio = impact / level.pressure + 1
+tas = level.speed_of_sound * (5 * (ratio ** (2 / 7) - 1)) ** 0.5
+print(f"{cas / knot:.1f} KCAS, {tas / knot:.1f} KTAS")
+assert abs(tas - cas_to_tas(cas, level)) < 0.01
 
 # %% [markdown]
 # ## The shorter way

@@ -14,7 +14,7 @@
 #
 # Halving the speed requires four times the lift coefficient, and so a larger angle of attack, until the wing stalls.
 #
-# **Predict.** From 300 to 150 KCAS, does alpha grow to four times its value? The table has the answer, and alpha at zero lift the reason.
+# **Predict.** From 300 to 150 KCAS, does alpha grow to four times its value? The next cell has the answer.
 
 # %%
 import pandas as pd
@@ -23,11 +23,11 @@ from pathsim_jsbsim_blocks import TrimCondition, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 
 plane = Airframe("global5000")
-loading = {"payload": [7586.0], "fuel": [4048.8] * 3}  # lb: half of both
+half = {"payload": [7586.0], "fuel": [4048.8] * 3}  # lb: half of both
 rows = []
 for speed in range(90, 550, 10):
     condition = TrimCondition(
-        altitude=15000, speed=speed, solver="jsbsim", **loading
+        altitude=15000, speed=speed, solver="jsbsim", **half
     )
     try:
         state = trim(plane, condition, hint=False)
@@ -36,6 +36,17 @@ for speed in range(90, 550, 10):
         rows.append((speed, None, None, error.reason))
 table = pd.DataFrame(rows, columns=["KCAS", "alpha", "elevator", "reason"])
 table.iloc[::6].round(3)
+
+# %% [markdown]
+# **Answer.** Almost. The lift coefficient grows to four times, and $C_L = C_{L\alpha}(\alpha - \alpha_0)$ with the lift zero near
+# $\alpha_0 = 0$:
+
+# %%
+alpha = table.set_index("KCAS").alpha
+fast, slow = alpha[300], alpha[150]
+print(
+    f"alpha: {slow / fast:.1f} times; alpha_0 is {(4 * fast - slow) / 3:.1f} deg"
+)
 
 # %%
 import matplotlib.pyplot as plt
@@ -87,6 +98,36 @@ studies.alpha_elevator_chart(loading)
 # In a stable aircraft the trimmed elevator moves down as the speed increases. With the CG aft it moves up: the light and
 # the mid weight are statically unstable.
 #
+# **Exercise.** With the CG at the *neutral point* the trimmed elevator does not move with the airspeed. Find how far aft the CG of the
+# empty aircraft must be, from the slopes at two positions; the last line trims your answer.
+
+
+# %%
+def slope(aft):
+    """Elevator per knot, 200 to 220 KCAS, with the CG moved aft by so many inches."""
+    jet = Airframe("global5000", empty_cg_x=790.82 + aft)
+    low, high = (
+        trim(
+            jet,
+            TrimCondition(
+                altitude=15000,
+                speed=speed,
+                gear=1.0,
+                solver="jsbsim",
+                **half,
+            ),
+        ).elevator_norm
+        for speed in (200, 220)
+    )
+    return (high - low) / 20
+
+
+forward, aft = slope(0.0), slope(39.5)
+answer = 39.5 * forward / (forward - aft)  # in
+print(f"{answer:.1f} in aft")
+assert abs(slope(answer)) < 0.01 * abs(forward)
+
+# %% [markdown]
 # ## Another aircraft
 
 # %%

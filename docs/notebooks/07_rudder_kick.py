@@ -45,7 +45,7 @@ plane = Aircraft(
 # %% [markdown]
 # The ramps are increments on the trimmed commands of aileron and rudder.
 #
-# **Predict.** Right aileron and left rudder: towards which side does the aircraft slip, and which wing is low? The figure has the answer.
+# **Predict.** Right aileron and left rudder: from which side does the air come, and which wing is low? The next cells have the answer.
 
 # %%
 from pathsim import Connection, Simulation
@@ -85,6 +85,8 @@ print(
 )
 
 # %% [markdown]
+# **Answer.** The nose goes left, so that the air comes from the right ($\beta > 0$); the right wing is low.
+#
 # The published loop adds 1/360 of each command per step. Rounding leaves the sum of 360 such increments just below its limit,
 # so one more is added: the commands end at 361/360, 1.0028 and 0.9226, the bank at 17.9 deg
 # ([errors of the published examples](../published-examples.md#what-the-published-examples-got-wrong)).
@@ -103,6 +105,22 @@ print(
 )
 
 # %% [markdown]
+# **Exercise.** Which bank balances the side force at 40 s? Solve the equation at the head of the chapter for $\phi$, with the forces of the
+# model: `forces/fby-aero-lbs`, `forces/fby-prop-lbs`, `inertia/weight-lbs`.
+
+# %%
+fdm, outputs = diagram.aircraft.fdm, diagram.aircraft.outputs
+side = fdm["forces/fby-aero-lbs"] + fdm["forces/fby-prop-lbs"]
+weight = fdm["inertia/weight-lbs"] * math.cos(
+    math.radians(outputs["theta"])
+)
+answer = math.degrees(math.asin(-side / weight))
+print(f"{answer:.1f} deg balance {side:,.0f} lbf")
+assert abs(answer - outputs["phi"]) < 1.5
+
+# %% [markdown]
+# The aircraft banks 1 deg more: the heading still changes, and this part of the weight bends the path.
+#
 # ## In short
 #
 # - Two ramps lead towards a steady sideslip, in which rudder, ailerons and bank are in balance.

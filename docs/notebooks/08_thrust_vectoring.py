@@ -8,7 +8,7 @@
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
-# **Predict.** Should the engines point up or down against the body axis, and by how much? The figure has the answer.
+# **Predict.** Should the engines point up or down against the body axis, and by how much? The next cells have the answer.
 
 # %%
 from pathsim_jsbsim_blocks import studies
@@ -26,16 +26,21 @@ for case, rows in table.groupby("case", sort=False):
     )
 
 # %% [markdown]
+# **Answer.** Up, by about 4 deg.
+#
 # ## The balance of forces
 #
 # The thrust $F$ makes an angle $\varepsilon$ with the flight path. Along and across the path
 #
 # $$F \cos\varepsilon = D(L) + W \sin\gamma, \qquad L = W \cos\gamma - F \sin\varepsilon$$
 #
-# The lift component of the thrust unloads the wing, which reduces the lift-dependent drag. At constant airspeed $F$ has
-# its minimum at
+# The lift component of the thrust unloads the wing, which reduces the lift-dependent drag. At constant airspeed both equations are
+# differentiated with respect to $\varepsilon$, where $F$ has its minimum, $dF/d\varepsilon = 0$:
 #
-# $$\tan\varepsilon = \frac{dD}{dL}$$
+# $$
+# -F \sin\varepsilon = \frac{dD}{dL}\,\frac{dL}{d\varepsilon}, \qquad \frac{dL}{d\varepsilon} = -F \cos\varepsilon, \qquad\text{so}\qquad
+# \tan\varepsilon = \frac{dD}{dL}
+# $$
 #
 # Lift and drag of the trimmed aircraft at five weights give that slope:
 
@@ -78,8 +83,21 @@ for case, condition in conditions.items():
     )
 
 # %% [markdown]
-# The study finds about 1 deg less: the formula neglects the moment of the tilted thrust. The question comes from [NASA/TM-2000-209021](https://ntrs.nasa.gov/citations/20000034897); [Studies](../studies.md) compares.
+# The study finds about 1 deg less: the formula neglects the moment of the tilted thrust. The question comes from G. B. Gilyard and
+# A. Bolonkin, [NASA/TM-2000-209021](https://ntrs.nasa.gov/citations/20000034897).
 #
+# **Exercise.** Why is the saving so small? Replace $D(L)$ by its tangent, of slope $\tan\varepsilon^*$ at the best angle $\varepsilon^*$. Then
+# $F(\cos\varepsilon + \tan\varepsilon^* \sin\varepsilon)$ is constant, so that $F$ is proportional to $1 / \cos(\varepsilon - \varepsilon^*)$. How much does a
+# tilt of 4 deg from the body axis to the best angle save?
+
+# %%
+answer = 100 * (1 - math.cos(math.radians(4.0)))
+print(f"{answer:.2f} %")
+for _, rows in table.groupby("case"):
+    saved = 100 * (1 - rows.thrust_lb.min() / rows.thrust_lb.iloc[0])
+    assert abs(answer - saved) < 0.03
+
+# %% [markdown]
 # ## In short
 #
 # - Tilted thrust reduces drag, until the thrust lost along the path exceeds the saving.

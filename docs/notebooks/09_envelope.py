@@ -14,7 +14,7 @@
 # Maximum thrust limits the climb angle, drag at idle limits the descent angle, and the angle-of-attack limit sets the
 # low-speed boundary.
 #
-# **Predict.** Is the steepest climb near the lowest or near the highest airspeed? The map has the answer.
+# **Predict.** Is the steepest climb near the lowest or near the highest airspeed? The next cells have the answer.
 
 # %%
 import pandas as pd
@@ -55,6 +55,8 @@ figure.colorbar(points, label="throttle [-]")
 plt.show()
 
 # %% [markdown]
+# **Answer.** Near the lowest: drag grows with the airspeed, and the thrust of these engines hardly changes.
+#
 # Points without a trim have a reason:
 
 # %%
@@ -62,6 +64,21 @@ fails.reason.value_counts()
 
 # %% [markdown]
 # The study `trim_envelope` does the same with twice as many speeds, on all cores: `pathsim-jsbsim study trim_envelope`.
+#
+# **Exercise.** How steeply does the aircraft climb at 280 KCAS and full throttle? In level flight the thrust equals the drag; use it, the
+# thrust at full throttle and the weight. The trim with the throttle open and the path angle free checks your answer.
+
+# %%
+import math
+
+level = trim(plane, TrimCondition(altitude=15000, speed=280, gear=1.0))
+full = trim(
+    plane, TrimCondition(altitude=15000, speed=280, gear=1.0, throttle=1.0)
+)
+excess = full.thrust - level.thrust  # lbf
+answer = math.degrees(math.asin(excess / level.weight))
+print(f"{answer:.2f} deg; the trim climbs at {full.gamma:.2f} deg")
+assert abs(answer - full.gamma) < 0.1
 
 # %% [markdown]
 # ## In short

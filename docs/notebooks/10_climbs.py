@@ -24,7 +24,7 @@
 # The diagram has only an aircraft and a scope: throttle and pitch trim stay at their settings. A `Condition` is an event: it stops the
 # run at 20,000 ft if the aircraft reaches it.
 #
-# **Predict.** Does the aircraft reach 20,000 ft? The next cells have the answer.
+# **Predict.** Does the aircraft reach 20,000 ft? The next cell has the answer.
 
 # %%
 import math
@@ -78,7 +78,8 @@ print(
 )
 
 # %% [markdown]
-# `fly` runs a diagram as `sim.run` does, in less time per step. The path flattens: the engine gives less thrust in thinner air.
+# **Answer.** No, not in 15 minutes: the path flattens, because the engine gives less thrust in thinner air. (`fly` runs a diagram as
+# `sim.run` does, in less time per step.)
 #
 # ## Throttle and pitch trim by a schedule
 #
@@ -175,9 +176,39 @@ plt.show()
 # %% [markdown]
 # The schedule is for 5 deg and the aircraft flies 4.6: at constant calibrated airspeed the true airspeed increases with
 # altitude; the tables come from steady-climb trims and do not include the thrust needed for that acceleration. At 10,000 ft V is
-# 583 ft/s and grows by 0.0083 ft/s per ft, so the acceleration factor is 1.15 and alone gives 4.3 deg; the aircraft also slows by 4 knots,
-# which leaves it less drag.
+# 583 ft/s and grows by 0.0083 ft/s per ft, so the acceleration factor is 1.15 and alone gives 4.3 deg. The aircraft also slows by 4 knots,
+# which leaves it less drag, and burns 431 lb of fuel.
 #
+# **Exercise.** Compute the 4.6 deg at the end of the climb. A trim at the airspeed, the throttle and the fuel of that instant gives
+# $(T - D)/W$, as the sine of its path angle; the acceleration factor follows from the last points of the flight.
+
+# %%
+import numpy as np
+
+from pathsim_jsbsim_blocks import TrimCondition
+from pathsim_jsbsim_blocks.air import cas_to_tas, isa
+from pathsim_jsbsim_blocks.flight import Airframe, trim
+
+knot, foot = 1852 / 3600, 0.3048  # m/s, m
+_, (h, speed, gamma) = scheduled.read()
+tas = [
+    float(cas_to_tas(v * knot, isa(x * foot))) / foot
+    for x, v in zip(h, speed)
+]
+factor = 1 + tas[-1] / 32.17 * np.polyfit(h[-20:], tas[-20:], 1)[0]
+steady = TrimCondition(
+    altitude=h[-1],
+    speed=speed[-1],
+    throttle=np.interp(h[-1], table.altitude_ft, table.throttle_norm),
+    fuel=[fdm.fdm["propulsion/tank[0]/contents-lbs"]],
+    gear=1.0,
+)
+excess = math.sin(math.radians(trim(Airframe("A4"), steady).gamma))
+answer = math.degrees(math.asin(excess / factor))
+print(f"factor {factor:.3f}: {answer:.2f} deg, flown {gamma[-1]:.2f} deg")
+assert abs(answer - gamma[-1]) < 0.1
+
+# %% [markdown]
 # ## As airliners climb
 #
 # 250 knots of calibrated airspeed up to the crossover altitude, then Mach 0.70. At any altitude the lower of the two true
