@@ -79,10 +79,37 @@ def picture(name):
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         with contextlib.redirect_stdout(io.StringIO()):
-            runpy.run_path(str(find_diagram(name)), run_name="__main__")
+            script = runpy.run_path(str(find_diagram(name)), run_name="__main__")
+        thumbnail(name, script["figure"]())
         for drawn in sorted(Path().glob(f"{name}*.png")):
             shrink(drawn, DOCS / "pictures" / drawn.name)
         os.chdir(DOCS)
+
+
+# of the gallery: the number of the panel that shows a diagram, if not the first one
+PANEL = {}
+
+
+def thumbnail(name, figure):
+    """One panel of a figure without its axes, for the gallery: made for a width of 300 px."""
+    from matplotlib import pyplot as plt
+
+    panel = figure.axes[PANEL.get(name, 0)]
+    small, ax = plt.subplots(figsize=(3, 2), layout="constrained")
+    for collection in panel.collections:
+        for path in collection.get_paths():
+            ax.fill(*path.vertices.T, facecolor=collection.get_facecolor()[0])
+    for line in panel.lines:
+        style = {"color": line.get_color(), "linestyle": line.get_linestyle(), "linewidth": 2.2}
+        ax.plot(*line.get_data(), marker=line.get_marker(), **style)
+    ax.set(xlim=panel.get_xlim(), ylim=panel.get_ylim(), aspect=panel.get_aspect())
+    ax.tick_params(bottom=False, left=False, labelbottom=False, labelleft=False)
+    ax.spines[:].set_color("0.8")
+    folder = DOCS / "pictures" / "thumbnails"
+    folder.mkdir(exist_ok=True)
+    small.savefig(folder / f"{name}.png", dpi=200)
+    plt.close(small)
+    plt.close(figure)
 
 
 def page_picture(name):
@@ -142,7 +169,8 @@ def gallery_cell(name):
     link = f"(../diagrams/{find_diagram(name).parent.name}/{name}.py)"
     notebook = diagram_notebook(name)
     source = f" (notebook {notebook})" if notebook else ""
-    return f"[![{name}](pictures/{name}.png)]{link} [`{name}`]{link} {docstring(name)[0]}{source}"
+    picture = f"[![{name}](pictures/{name}.png)]{link}"
+    return f"{picture} [`{name}`]{link} {docstring(name)[0]}{source}"
 
 
 def diagram_page(name):
@@ -244,6 +272,14 @@ def blocks_tables():
     return "\n".join(tables)
 
 
+def measured(*names):
+    """The first line of a page of evidence: the code that has made its tables."""
+    commits = sorted({row["commit"] for name in names for row in read_table(name)})
+    if len(commits) == 1:
+        return f"Measured with the code of commit `{commits[0]}`."
+    return f"Measured with the code of the commits {', '.join(f'`{c}`' for c in commits)}."
+
+
 def fleet_page():
     """How every aircraft that jsbsim brings does in level flight or a glide: the table in words."""
     verdicts = {row["aircraft"]: row["verdict"] for row in read_table("fleet")}
@@ -256,7 +292,8 @@ def fleet_page():
             reasons.setdefault(verdict.removeprefix("no trim: "), []).append(name)
     modes = (EVIDENCE / "fleet.md").read_text(encoding="utf-8").partition("\n## Modes\n")
     return (
-        f"# The fleet\n\nThe {len(verdicts)} aircraft that jsbsim {version('jsbsim')} brings; "
+        f"# The fleet\n\n{measured('fleet', 'fleet-modes')}\n\n"
+        f"The {len(verdicts)} aircraft that jsbsim {version('jsbsim')} brings; "
         f"{trims} of them trim in level flight,\n{glides} in a glide with the throttle closed; "
         f"{departs} of these leave their path by more than 20 ft.\n"
         "[All of them](fleet.csv).\n\n"
@@ -401,6 +438,7 @@ def accuracy():
     precise, f16 = check_cases(), check_cases(F16)
     write_table("accuracy", ratios_table({**precise, **f16}))
     page = EVIDENCE / "accuracy.md"
+    put(page, "commit", measured("accuracy"))
     put(page, "check cases", cases_table(precise))
     put(page, "F-16", cases_table(f16))
     put(page, "check cases by default", default_table())

@@ -17,7 +17,7 @@ import pandas as pd
 
 matplotlib.use("agg")
 
-from generate import commit, read_table, write_table
+from generate import commit, measured, read_table, write_table
 from matplotlib import pyplot as plt
 
 from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
@@ -48,6 +48,8 @@ FIGURES = {
 
 HEAD = """\
 # The fleet's performance
+
+{measured}
 
 The charts of {count} of the {all} aircraft that trim, with default settings of
 `pathsim-jsbsim chart` ([definitions](../performance.md)): values at sea level and the model's own
@@ -138,6 +140,7 @@ def page():
     blank = made[made[[*COLUMNS]].isna().all(axis=1)].aircraft
     made = made[~made.aircraft.isin(blank)]
     head = HEAD.format(
+        measured=measured("performance"),
         count=len(made),
         all=len(fleet()),
         flown=made.flown.sum(),

@@ -30,6 +30,8 @@ PLAIN = """
     g.legend { transform: translate(300px, 25px) }  /* off the curves of pitch_hold */
 """
 
+WIRES = 24  # of a picture: more cannot be followed by eye; the editor itself shows where one leads
+
 REPORT = "autopilot_mission"  # the diagram whose flight report is shown
 
 # PathView's own "fit" considers blocks only, so wires around them would be cut off
@@ -62,7 +64,10 @@ SUBSYSTEMS = """() => {
 
 
 def take(page, target, below=0):
-    """A picture of the whole diagram as it is shown, with room below for panels."""
+    """A picture of the whole diagram as it is shown, with room below for panels; not of a maze."""
+    if page.locator(".svelte-flow__edge").count() > WIRES:
+        target.unlink(missing_ok=True)
+        return
     left, top, right, bottom = page.evaluate(BOUNDS)
     width = max(PAGE, round(right - left) + 2 * MARGIN)
     page.set_viewport_size({"width": width, "height": round(bottom - top) + 2 * MARGIN + below})

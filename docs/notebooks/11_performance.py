@@ -13,7 +13,7 @@
 #
 # $$\dot h = V \sin\gamma = \frac{(T - D)\,V}{W}, \qquad -\frac{1}{\tan\gamma} = \frac{L}{D}$$
 #
-# **Predict.** At 10,000 ft, is the best rate of climb more or less than half of that at sea level? The chart has the answer.
+# **Predict.** At 10,000 ft, is the best rate of climb more or less than half of that at sea level? The next cell has the answer.
 
 # %%
 from pathsim_jsbsim_blocks import studies
@@ -26,6 +26,8 @@ studies.performance_chart(
 )
 
 # %% [markdown]
+# **Answer.** More than half: 941 of 1651 ft/min.
+#
 # These are four of ten panels; without `charts` all are drawn. Each row of the table is a value with its condition.
 # For the best values, `flown` is the value measured in a 60 s flight with fixed controls; `reason` names what limits a value:
 
@@ -67,6 +69,17 @@ for row in stalls.itertuples():
     lift = row.weight_lb / (pressure * 174)
     case = f"{row.weight_lb:.0f} lb, flaps {row.flaps_norm:.0f}"
     print(f"{case}: CL {lift:.2f}, {row.reason}")
+
+# %% [markdown]
+# **Exercise.** Estimate the service ceiling, at which the best rate of climb is 100 ft/min, from the rates at sea level and 10,000 ft. The
+# table has the value that trims find.
+
+# %%
+rates = table[table.quantity == "best rate of climb"].value
+answer = 10000 * (rates.iloc[0] - 100) / (rates.iloc[0] - rates.iloc[1])
+ceiling = table[table.quantity == "service ceiling"].value.iloc[0]
+print(f"{answer:,.0f} ft by the straight line, {ceiling:,.0f} ft by trims")
+assert abs(answer / ceiling - 1) < 0.1
 
 # %% [markdown]
 # ## In short
