@@ -18,7 +18,7 @@ from functools import cache
 
 import numpy as np
 from gain_tables import flight_of, flown_by, fuel, seen_by, table_of
-from generate import write_table
+from tables import write_table
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot
 from pathsim_jsbsim_blocks.control.airspeeds import fastest_airspeed

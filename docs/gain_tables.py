@@ -19,9 +19,10 @@ import itertools
 import json
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
-from generate import write_table
+from tables import write_table
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot, TrimCondition
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains, table
@@ -472,37 +473,15 @@ def off_point(name, schedule, condition, create):
     return "; ".join(missed) or "passes"
 
 
-def rows_of(row, names):
-    """A row of a table for each aircraft that has gains, as it is flown."""
-    rows = []
-    for name in names or aircraft_names():
-        if table_of(name).exists():
-            rows.append(row(name))
-            print(rows[-1], end="", flush=True)
-    return "".join(rows)
+CRUISE_HEADER = "| aircraft | KCAS | 24,000 ft | 33,000 ft |\n|---|--:|---|---|\n"
 
 
-def fly_off(names):
-    """Fly off-design with the tables, and put the rows into the page."""
-    rows = rows_of(off_design, names)
-    if not names:
-        write_table("designed-gains-off-design", OFF_HEADER + rows)
-
-
-def fly_cruise(names):
-    """Fly the steps of airliners at cruise altitudes between those of their tables."""
-    rows = []
-    for name in names or AIRLINERS:
-        schedule, condition, create, _ = nominal(name)
-        cells = [
-            off_point(name, schedule, replace(condition, altitude=altitude), create)
-            for altitude in CRUISE_FLOWN
-        ]
-        rows.append(f"| {name} | {condition.speed:.0f} | {' | '.join(cells)} |\n")
-        print(rows[-1], end="", flush=True)
-    if not names:
-        header = "| aircraft | KCAS | 24,000 ft | 33,000 ft |\n|---|--:|---|---|\n"
-        write_table("designed-gains-cruise", header + "".join(rows))
+def cruise_row(name):
+    """One row of the steps of an airliner at cruise altitudes between those of its table."""
+    schedule, condition, create, _ = nominal(name)
+    there = [replace(condition, altitude=altitude) for altitude in CRUISE_FLOWN]
+    cells = [off_point(name, schedule, point, create) for point in there]
+    return f"| {name} | {condition.speed:.0f} | {' | '.join(cells)} |\n"
 
 
 # what is fed back
@@ -545,13 +524,9 @@ def count_jumps():
         yield f"| {loop} | {n} | {jumped} | {jumped / n:.0%} |\n"
 
 
-def fly(names):
-    """Fly the steps with the tables, and put the rows into the page."""
-    rows = rows_of(lambda name: flights(name, *nominal(name)), names)
-    if not names:
-        write_table("designed-gains-steps", HEADER + rows)
-        write_table("designed-gains-hand-tuned", HEADER + "".join(compared()))
-        print("".join(count_jumps()))
+def step_rows(name):
+    """The row of a table's steps."""
+    return flights(name, *nominal(name))
 
 
 def compared():
@@ -713,13 +688,6 @@ def slow_row(name, label, condition, flight, alpha_max=None):
     return f"| {label} | {lowest:.0f} | {TOO_SLOW * lowest:.0f} | {worst} |\n"
 
 
-def fly_slow(names):
-    """Ask for an airspeed that is too low near the ground, in turbulence."""
-    rows = rows_of(slow_rows, names)
-    if not names:
-        write_table("autopilots-near-ground", SLOW_HEADER + rows)
-
-
 # steps of the airspeed, shares of it; s before the step, after it, and from which it is judged
 SPEED_STEPS, SPEED_BEFORE, SPEED_AFTER, SPEED_JUDGED = (-0.2, -0.1, 0.1, 0.2), 5.0, 100.0, 75.0
 
@@ -773,13 +741,6 @@ def speed_rows(name):
             f"| {(stop != 0.0).mean():.0%} |\n"
         )
     return "".join(rows)
-
-
-def fly_airspeed(names):
-    """Fly large steps of the airspeed with the tables."""
-    rows = rows_of(speed_rows, names)
-    if not names:
-        write_table("designed-gains-airspeed", SPEED_HEADER + rows)
 
 
 # turbulence of severity 4: s of flight, and from which it is judged; s and deg of a turn; then a
@@ -836,14 +797,34 @@ def rough_row(name):
     )
 
 
-def fly_rough(names):
-    """Fly through turbulence, and through a shear."""
-    rows = rows_of(rough_row, names)
-    if not names:
-        write_table("designed-gains-turbulence", ROUGH_HEADER + rows)
+FLIGHTS = {
+    "fly": ("designed-gains-steps", HEADER, step_rows),
+    "off": ("designed-gains-off-design", OFF_HEADER, off_design),
+    "cruise": ("designed-gains-cruise", CRUISE_HEADER, cruise_row),
+    "slow": ("autopilots-near-ground", SLOW_HEADER, slow_rows),
+    "airspeed": ("designed-gains-airspeed", SPEED_HEADER, speed_rows),
+    "rough": ("designed-gains-turbulence", ROUGH_HEADER, rough_row),
+}
+
+
+def fly(kind, names):
+    """Fly the aircraft that have gains, and write the rows of a kind of flight as its table."""
+    file, header, row = FLIGHTS[kind]
+    fleet = AIRLINERS if kind == "cruise" else [n for n in aircraft_names() if table_of(n).exists()]
+    rows = []
+    for name in names or fleet:
+        rows.append(row(name))
+        print(rows[-1], end="", flush=True)
+    if names:
+        return
+    write_table(file, header + "".join(rows))
+    if kind == "fly":
+        write_table("designed-gains-hand-tuned", HEADER + "".join(compared()))
+        print("".join(count_jumps()))
 
 
 def main(names):
+    """Design the tables of aircraft."""
     TABLES.mkdir(exist_ok=True)
     for name in names or (name for name in aircraft_names() if name not in KEPT):
         try:
@@ -861,14 +842,10 @@ if __name__ == "__main__":
     )
     parser.add_argument("aircraft", nargs="*")
     do = parser.add_mutually_exclusive_group()
-    do.add_argument("--fly", dest="do", action="store_const", const=fly, default=main)
-    do.add_argument("--off", dest="do", action="store_const", const=fly_off)
-    do.add_argument("--limits", dest="do", action="store_const", const=limits)
-    do.add_argument("--yaw", dest="do", action="store_const", const=yaw)
-    do.add_argument("--speed", dest="do", action="store_const", const=speed)
-    do.add_argument("--cruise", dest="do", action="store_const", const=fly_cruise)
-    do.add_argument("--slow", dest="do", action="store_const", const=fly_slow)
-    do.add_argument("--airspeed", dest="do", action="store_const", const=fly_airspeed)
-    do.add_argument("--rough", dest="do", action="store_const", const=fly_rough)
+    for name, action in {"limits": limits, "yaw": yaw, "speed": speed}.items():
+        do.add_argument(f"--{name}", dest="do", action="store_const", const=action, default=main)
+    for kind in FLIGHTS:
+        flight = partial(fly, kind)
+        do.add_argument(f"--{kind}", dest="do", action="store_const", const=flight, default=main)
     options = parser.parse_args()
     options.do(options.aircraft)

@@ -7,14 +7,12 @@ python docs/generate.py PART ...    some of it: pages, modes, accuracy, fleet, d
 import argparse
 import ast
 import contextlib
-import csv
 import inspect
 import io
 import json
 import os
 import re
 import runpy
-import subprocess
 import sys
 import tempfile
 import warnings
@@ -31,6 +29,7 @@ from fleet import HEADER, fleet_table, format_row, level_or_glide
 from layers import layers_picture
 from pathsim import Connection, Simulation
 from pathsim.blocks import Block, Scope
+from tables import DOCS, EVIDENCE, measured, put, read_table, requirements_table, write_table
 
 import pathsim_jsbsim_blocks as package
 from pathsim_jsbsim_blocks import (
@@ -50,13 +49,10 @@ from pathsim_jsbsim_blocks.catalogue import (
 from pathsim_jsbsim_blocks.check_cases import CASES, compare, fly_case
 from pathsim_jsbsim_blocks.cli.parser import _GROUPS as COMMAND_GROUPS
 from pathsim_jsbsim_blocks.cli.parser import command_parser
-from pathsim_jsbsim_blocks.design.requirements import requirements_table
 from pathsim_jsbsim_blocks.flight import aircraft_names
 from pathsim_jsbsim_blocks.plots import saving_to
 from pathsim_jsbsim_blocks.studies import STUDIES
 
-DOCS = Path(__file__).resolve().parent
-EVIDENCE = DOCS / "evidence"
 PERFORMANCE = """\
 ## Performance charts
 
@@ -272,14 +268,6 @@ def blocks_tables():
     return "\n".join(tables)
 
 
-def measured(*names):
-    """The first line of a page of evidence: the code that has made its tables."""
-    commits = sorted({row["commit"] for name in names for row in read_table(name)})
-    if len(commits) == 1:
-        return f"Measured with the code of commit `{commits[0]}`."
-    return f"Measured with the code of the commits {', '.join(f'`{c}`' for c in commits)}."
-
-
 def fleet_page():
     """How every aircraft that jsbsim brings does in level flight or a glide: the table in words."""
     verdicts = {row["aircraft"]: row["verdict"] for row in read_table("fleet")}
@@ -395,42 +383,6 @@ def doublet_table():
         cells = [default[0], precise[0], default[1], precise[1]]
         rows.append(f"| {hz} Hz | " + " | ".join(f"{x:.3f} deg" for x in cells) + " |")
     return "\n".join(rows)
-
-
-def write_table(name, markdown):
-    """Write a Markdown table as CSV beside the pages of evidence, which have no long tables.
-
-    The last column is the commit whose code has made a row, unless the table has it already.
-    """
-    lines = [line for line in markdown.splitlines() if not line.startswith("|---")]
-    rows = [[cell.strip() for cell in line.strip()[1:-1].split("|")] for line in lines]
-    if rows[0][-1] != "commit":
-        made_by = commit()
-        rows = [[*rows[0], "commit"], *([*row, made_by] for row in rows[1:])]
-    with open(EVIDENCE / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        for row in rows:
-            writer.writerow(re.sub(r"\[([^]]+)\]\([^)]*\)", r"\1", cell) for cell in row)
-
-
-def commit():
-    """The commit of the code that runs."""
-    command = ["git", "log", "-1", "--abbrev=9", "--format=%h"]
-    return subprocess.check_output(command, cwd=DOCS, text=True).strip()
-
-
-def read_table(name):
-    """The rows of a table of evidence, as dicts of texts."""
-    with open(EVIDENCE / f"{name}.csv", newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
-def put(page, name, text):
-    """Put a generated text in its place on a page."""
-    place = re.compile(rf"(<!-- {name} -->\n).*?(\n<!-- end -->)", re.DOTALL)
-    before = page.read_text(encoding="utf-8")
-    assert len(place.findall(before)) == 1, f"{page} has no place for {name}"
-    page.write_text(place.sub(lambda m: m[1] + text + m[2], before), encoding="utf-8")
 
 
 def accuracy():

@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 from gain_tables import flight_of, fuel, lowest_level
-from generate import DOCS, put
+from tables import DOCS, put
 
 CASES = 100
 PAGE = DOCS / "evidence" / "landings.md"

@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 from gain_tables import SECONDS, asked, at_point, no_throttle
-from generate import EVIDENCE, put
+from tables import EVIDENCE, put
 
 from pathsim_jsbsim_blocks.design.requirements import ALTITUDE_KEPT, STEP_REQUIREMENTS
 

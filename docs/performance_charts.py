@@ -17,8 +17,8 @@ import pandas as pd
 
 matplotlib.use("agg")
 
-from generate import commit, measured, read_table, write_table
 from matplotlib import pyplot as plt
+from tables import commit, measured, read_table, write_table
 
 from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
 
