@@ -16,9 +16,6 @@ from hand_tuned import DESIGNED, GAINS
 
 from pathsim_jsbsim_blocks import (
     AirspeedHold,
-    AltitudeHold,
-    Autopilot,
-    GlideslopeHold,
     HeadingHold,
     ParameterError,
     PitchHold,
@@ -89,16 +86,14 @@ def test_an_unknown_table_names_the_nearest(hold):
         (PitchHold, {"Kp": 0.1}, "pitch gain missing: Ki"),
         (PitchHold, 0.1, "pitch gains must be"),
         (RollHold, YawGains(K=0.1), "roll gains must be"),
-        (AltitudeHold, {"altitudes": "737", "pitch": "737"}, "did you mean 'altitude'"),
-        (AltitudeHold, {"altitude": "737"}, "loop missing: pitch"),
-        (AltitudeHold, PITCH, "there is no loop 'Kp'"),
+        (HeadingHold, {"headings": "737", "roll": "737"}, "did you mean 'heading'"),
+        (HeadingHold, {"heading": "737"}, "loop missing: roll"),
+        (HeadingHold, PITCH, "there is no loop 'Kp'"),
         (HeadingHold, AttitudeGains(0.1, 0.1), "heading, roll"),
-        (Autopilot, {"pitch": "737"}, "loop missing: roll, heading"),
         (PitchHold, {"Kp": "high", "Ki": 0.1}, "Kp must be a number"),
         (PitchHold, {**PITCH, "ramp": 0.0}, "ramp must be greater than 0"),
         (PitchHold, {**PITCH, "b": -0.1}, "b must be at least 0"),
         (PitchHold, Path("mine.json"), "did you mean 'mine.json'"),
-        (Autopilot, Path("mine.json"), "did you mean 'mine.json'"),
         *(
             (AirspeedHold, {**PITCH, "band": band}, "band must be")
             for band in (0.0, -4.0, float("nan"), float("inf"), "4", None, True, np.array([4.0]))
@@ -138,25 +133,6 @@ def test_bad_names_are_refused_when_built_and_in_flight(name, value):
 def test_the_ends_of_a_range_are_in_it():
     assert HeadingHold(bank_max=80.0).bank_max == 80.0
     assert PitchHold(theta_ref=-90.0).theta_ref == -90.0
-
-
-@pytest.mark.parametrize("hold", [AltitudeHold, Autopilot, GlideslopeHold])
-def test_a_lowest_pitch_reference_above_the_highest_names_both(hold):
-    with pytest.raises(ParameterError) as said:
-        hold(theta_max=-20.0)
-    assert said.value.parameter == "theta_min"
-    with pytest.raises(ParameterError) as error:
-        hold(theta_min=16.0)
-    assert (error.value.parameter, error.value.value) == ("theta_min", 16.0)
-    # at any point of a schedule: the 15 deg are not those of the nominal point
-    high = dataclasses.replace(
-        GAINS["737"], altitude=dataclasses.replace(GAINS["737"].altitude, theta_max=20.0)
-    )
-    points = DesignPoint(0.0, 150.0, high), DesignPoint(0.0, 250.0, GAINS["737"])
-    with pytest.raises(ParameterError) as error:
-        hold(gains=GainSchedule("737", points), theta_min=16.0)
-    assert (error.value.parameter, error.value.value) == ("theta_min", 16.0)
-    hold(gains=GainSchedule("737", points), theta_min=16.0, theta_max=18.0)
 
 
 @pytest.mark.parametrize("kind", [int, np.int64, np.float32, np.float64, Fraction])
