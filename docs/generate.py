@@ -53,6 +53,13 @@ from pathsim_jsbsim_blocks.flight import aircraft_names
 from pathsim_jsbsim_blocks.plots import saving_to
 from pathsim_jsbsim_blocks.studies import STUDIES
 
+CHECK_CASES = """\
+## NASA's check cases
+
+[How they are compared](check-cases.md), [all distances](evidence/accuracy.md).
+
+[![Distances of the 18 check cases](pictures/evidence_accuracy.png)](evidence/accuracy.md)
+"""
 PERFORMANCE = """\
 ## Performance charts
 
@@ -76,14 +83,23 @@ def picture(name):
         os.chdir(folder)
         with contextlib.redirect_stdout(io.StringIO()):
             script = runpy.run_path(str(find_diagram(name)), run_name="__main__")
-        thumbnail(name, script["figure"]())
+        if not name.startswith("check_case_"):
+            thumbnail(name, script["figure"]())
         for drawn in sorted(Path().glob(f"{name}*.png")):
             shrink(drawn, DOCS / "pictures" / drawn.name)
         os.chdir(DOCS)
 
 
 # of the gallery: the number of the panel that shows a diagram, if not the first one
-PANEL = {}
+PANEL = {
+    "aileron_turn": 1,
+    "elevator_doublet": 1,
+    "gust_response": 1,
+    "isa_profile": 2,
+    "rudder_kick": 1,
+    "scheduled_climb": 2,
+    "trimmed_flight": 2,
+}
 
 
 def thumbnail(name, figure):
@@ -97,7 +113,8 @@ def thumbnail(name, figure):
             ax.fill(*path.vertices.T, facecolor=collection.get_facecolor()[0])
     for line in panel.lines:
         style = {"color": line.get_color(), "linestyle": line.get_linestyle(), "linewidth": 2.2}
-        ax.plot(*line.get_data(), marker=line.get_marker(), **style)
+        marks = {"marker": line.get_marker(), "markevery": line.get_markevery()}
+        ax.plot(*line.get_data(), **style, **marks)
     ax.set(xlim=panel.get_xlim(), ylim=panel.get_ylim(), aspect=panel.get_aspect())
     ax.tick_params(bottom=False, left=False, labelbottom=False, labelleft=False)
     ax.spines[:].set_color("0.8")
@@ -151,21 +168,26 @@ def docstring(name):
 
 def gallery():
     """A picture and a line for each diagram, by its folder."""
-    titles = ("From the published notebooks", "Beyond them", "NASA's check cases")
+    *groups, cases = diagram_groups().values()
     parts = [GALLERY_INTRODUCTION]
-    for title, names in zip(titles, diagram_groups().values(), strict=True):
+    for title, names in zip(("From the published notebooks", "Beyond them"), groups, strict=True):
         cells = [gallery_cell(name) for name in names]
         cells += [""] * (-len(cells) % 3)
         rows = [f"| {' | '.join(cells[i : i + 3])} |\n" for i in range(0, len(cells), 3)]
         parts.append(f"## {title}\n\n| | | |\n|---|---|---|\n{''.join(rows)}")
-    return "\n".join([*parts, PERFORMANCE])
+    listed = "".join(f"- [`{n}`]{script_link(n)} {docstring(n)[0]}\n" for n in cases)
+    return "\n".join([*parts, f"{CHECK_CASES}\n{listed}", PERFORMANCE])
+
+
+def script_link(name):
+    return f"(../diagrams/{find_diagram(name).parent.name}/{name}.py)"
 
 
 def gallery_cell(name):
-    link = f"(../diagrams/{find_diagram(name).parent.name}/{name}.py)"
+    link = script_link(name)
     notebook = diagram_notebook(name)
     source = f" (notebook {notebook})" if notebook else ""
-    picture = f"[![{name}](pictures/{name}.png)]{link}"
+    picture = f"[![{name}](pictures/thumbnails/{name}.png)]{link}"
     return f"{picture} [`{name}`]{link} {docstring(name)[0]}{source}"
 
 

@@ -441,7 +441,8 @@ def test_a_holding_pattern_in_the_worst_of_eight_winds():
     assert len(caught) == 1
     lap = flight["time"] > 300.0
     assert {*flight["leg"][lap]} == {1.0, 2.0, 3.0, 4.0}
-    assert abs(flight["across"][lap]).max() < 130.0
+    # 122 ft in this time, 145 ft in 15 min of laps
+    assert abs(flight["across"][lap]).max() < 150.0
     assert abs(flight["phi"][lap]).max() < 25.0
 
 
