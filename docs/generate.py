@@ -176,7 +176,9 @@ def gallery():
         rows = [f"| {' | '.join(cells[i : i + 3])} |\n" for i in range(0, len(cells), 3)]
         parts.append(f"## {title}\n\n| | | |\n|---|---|---|\n{''.join(rows)}")
     listed = "".join(f"- [`{n}`]{script_link(n)} {docstring(n)[0]}\n" for n in cases)
-    return "\n".join([*parts, f"{CHECK_CASES}\n{listed}", PERFORMANCE])
+    return "\n".join(
+        [*parts, f"{CHECK_CASES}\n<!-- check cases -->\n{listed}<!-- end -->\n", PERFORMANCE]
+    )
 
 
 def script_link(name):
