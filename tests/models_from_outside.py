@@ -73,6 +73,16 @@ def lever_writes_throttle(root):
     return changed(root, "c172x", before("aerodynamics", system))
 
 
+def digital_throttle(root, steps):
+    """A c172p whose engine control has a throttle with this number of steps."""
+    control = f"""<channel name="engine control"><fcs_function name="fcs/throttle-digital">
+    <function><quotient><floor><product><value>{steps}</value><property>fcs/throttle-cmd-norm
+    </property></product></floor><value>{steps}</value></quotient></function>
+    <output>fcs/throttle-pos-norm</output></fcs_function></channel>"""
+    pitch = r'(<channel name="Pitch">)', lambda match: control + match[1]
+    return changed(root, "c172p", pitch)
+
+
 def without_pitch_command(root):
     """A c172x whose elevator follows neither the elevator command nor the pitch trim."""
     commands = r"<input>\s*fcs/elevator-cmd-norm\s*</input>\s*<input>\s*fcs/pitch-trim-cmd-norm"

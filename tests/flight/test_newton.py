@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from fleet_conditions import FEW, FLYING
 from how_many import first
+from models_from_outside import digital_throttle
 from pathsim import Simulation
 from scipy.optimize import lsq_linear
 from scipy.spatial.transform import Rotation
@@ -493,6 +494,26 @@ def test_a_trim_that_does_not_hold_is_warned_of():
     # unstable in pitch, and flown without its pilot
     with pytest.warns(RuntimeWarning, match="does not hold: pitch moves by"):
         trim(Airframe("XB-70"), TrimCondition(altitude=27000, speed=300, mode="glide", gear=0))
+
+
+def test_residuals_above_the_tolerance_are_a_trim_if_the_aircraft_stays(tmp_path):
+    # one of 4096 steps of the throttle changes udot by 0.0036 ft/s2
+    airframe = Airframe("c172p", root=digital_throttle(tmp_path, 4096))
+    with pytest.warns(RuntimeWarning, match="tolerances, udot=0.00") as warned:
+        state = trim(airframe, TrimCondition(altitude=5000, speed=90), fly=10)
+    assert len(warned) == 1
+    assert 1e-4 < abs(state.udot) < 1e-3
+    # the integral of udot over 10 s is 0.006 kt
+    assert abs(state.drift.speed) < 0.01
+    assert abs(state.drift.height) < 1.0
+
+
+def test_larger_residuals_are_no_trim(tmp_path):
+    airframe = Airframe("c172p", root=digital_throttle(tmp_path, 256))
+    with pytest.raises(TrimError) as error:
+        trim(airframe, TrimCondition(altitude=5000, speed=90), hint=False)
+    assert error.value.reason == "no convergence"
+    assert abs(error.value.residuals["udot"]) > 1e-3
 
 
 @pytest.mark.long

@@ -14,7 +14,7 @@ from . import check
 from .condition import TrimCondition, check_condition
 from .initial import read_back
 from .nearest import with_nearest
-from .state import Drift, TrimState
+from .state import UNITS, Drift, TrimState
 from .trimmer import Trimmer
 
 __all__ = ["Drift", "TrimCondition", "TrimState", "trim"]
@@ -38,7 +38,8 @@ def trim(
     below 1e-4 ft/s2 and pdot, qdot, rdot below 1e-5 rad/s2 (usually 1e-9), with propellers and
     flight control system settled and fuel frozen. A second aircraft then flies from the trim (not
     in a pull-up): for 0.25 s vdot must stay below 0.1 ft/s2 and pdot, qdot, rdot below 0.02 rad/s2,
-    and engines must have fuel for 1 s. In a turn the sideslip is zero and the turn rate follows
+    and engines must have fuel for 1 s. Ten times these residuals are accepted with a warning if
+    this flight stays within 0.5 kt, 5 ft and 0.1 deg of its path for 5 s, as below. In a turn the sideslip is zero and the turn rate follows
     from the side force; ``ny`` of the state is the side load.
     On the ground another aircraft is let down with brakes on and engines stopped until it rests;
     from there height, pitch and bank balance wdot, qdot and pdot with engines settled at idle.
@@ -102,6 +103,12 @@ def trim(
             raise
         raise with_nearest(airframe, setup, error) from None
     read_back(airframe, condition, setup, state.free)
+    if trimmer.excess:
+        excess = ", ".join(f"{name}={x:.2g} {UNITS[name]}" for name, x in trimmer.excess.items())
+        warn_user(
+            f"the trim of {airframe.aircraft} at {condition} has residuals above the search's "
+            f"tolerances, {excess}, with which it stays for {check.LONG:g} s, controls fixed"
+        )
     if hint:
         _warn_of_gear(airframe, state)
         if 1.0 < trimmer.per_step <= 2.0:

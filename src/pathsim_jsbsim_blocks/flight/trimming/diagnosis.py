@@ -15,7 +15,7 @@ from ..settling import MOST_SUBSTEPS
 from .check import HandsOff
 from .condition import TrimCondition
 from .effects import COMMANDS, Effect, effects
-from .equations import Effort, SteadyFlight, size
+from .equations import RESIDUALS, Effort, SteadyFlight, size
 from .failure import failure
 from .initial import initialise
 from .state import TrimState, not_finite
@@ -41,6 +41,9 @@ _LIMITS = {
 }
 _ANGLES = ("alpha", "phi", "beta", "gamma", "rate")
 
+# residuals, in tolerances, with which the end of a search is a trim if a flight from it stays
+_CLOSE = 10.0
+
 
 class Ending(NamedTuple):
     """The end of a search: unknowns, residuals in tolerances and in their units, the state.
@@ -63,11 +66,17 @@ class Ending(NamedTuple):
     def converged(self) -> bool:
         return size(self.r) <= 1.0
 
+    @property
+    def excess(self) -> dict[str, float]:
+        """Residuals above their tolerances."""
+        balanced = {name: x for name, x in self.residuals.items() if name in self.flight.used}
+        return {name: x for name, x in balanced.items() if abs(x) > RESIDUALS[name]}
+
     def worth_flying(self, airframe: Airframe) -> bool:
-        """Whether the state is a trim, as far as can be told without a flight."""
+        """Whether the state may be a trim, as far as can be told without a flight."""
         runs = self.state.condition.mode == "glide" or not airframe.not_running()
         return (
-            self.converged
+            size(self.r) <= _CLOSE
             and runs
             and not (self.light or self.touches)
             and not not_finite(self.state)
@@ -77,7 +86,8 @@ class Ending(NamedTuple):
         """Whether the state is a trim."""
         starved = self.flown and self.flown.starved and self.state.condition.mode != "glide"
         moves = self.flown and self.flown.moves
-        return self.worth_flying(airframe) and not starved and not moves
+        stays = self.converged or bool(self.flown and not self.flown.leaves)
+        return self.worth_flying(airframe) and stays and not starved and not moves
 
 
 def diagnose(airframe: Airframe, ending: Ending) -> TrimError:

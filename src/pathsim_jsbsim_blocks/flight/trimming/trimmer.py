@@ -79,6 +79,8 @@ class Trimmer:
         self._leaves_traces = True
         # whether the last trim used steps of time (`SteadyFlight`)
         self.in_time = False
+        # its residuals above their tolerances
+        self.excess: dict[str, float] = {}
         # rate of the fastest propeller of the last trim, times the step
         self.per_step = 0.0
         # a twin for short flights
@@ -104,7 +106,7 @@ class Trimmer:
 
         There is no flight if the trim repeats the last one of ``like``.
         """
-        self._effort = Effort()
+        self._effort, self.excess = Effort(), {}
         by_jsbsim = condition.mode in ("none", "ground") or condition.searched_by == "jsbsim"
         if self._spent or (self._used and (by_jsbsim or not warm)):
             self._renew()
@@ -334,11 +336,14 @@ class Trimmer:
         state = dataclasses.replace(state, **residuals)  # type: ignore[arg-type]
         touches = airframe.fdm["forces/fbz-gear-lbs"] != 0.0
         ending = Ending(flight, reached.x, r, residuals, state, light, touches)
+        # residuals above the tolerance are judged by their effect
+        fly = fly if ending.converged else max(fly, check.LONG)
         if ending.worth_flying(airframe) and fly and condition.mode != "pull-up":
             flown, other = self._flown(condition, flight, reached.x, fly)
             ending = ending._replace(flown=flown, other=other)
         if ending.holds(airframe):
             self._keep(flight, reached, trimmed=True)
+            self.excess = ending.excess
             self.in_time, self.per_step = flight.in_time, flight.propellers.per_step
             self._leaves_traces, self._spent = flight.leaves_traces, False
         return ending
