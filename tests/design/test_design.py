@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from fleet_conditions import FLYING
 from how_many import first
+from models_from_outside import changed
 
 from pathsim_jsbsim_blocks import Aircraft, PitchHold, TrimCondition
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains
-from pathsim_jsbsim_blocks.control.gains import AircraftGains
+from pathsim_jsbsim_blocks.control.gains import AircraftGains, YawGains
 from pathsim_jsbsim_blocks.design import DesignedGains, design_gains
 from pathsim_jsbsim_blocks.design.envelope import envelope
 from pathsim_jsbsim_blocks.design.requirements import MARGINS
@@ -107,6 +108,18 @@ def test_an_overshoot_in_flight_shapes_the_loops_once_more(monkeypatch, row, loo
     assert second.report[row].overshoot <= first.report[row].overshoot
     assert getattr(found, loop) == getattr(second, loop)
     assert found.report[row].flown_overshoot == 0.5 * limit
+
+
+@pytest.mark.parametrize("method", ["flown", "algebraic"])
+def test_a_rudder_without_effect_leaves_the_yaw_loops_out(method, tmp_path):
+    deflection = r"(<output>\s*)fcs/rudder-pos-rad", r"\1fcs/elsewhere"
+    root = changed(tmp_path, "A320", deflection)
+    designed = design_gains("A320", condition("A320")[0], method=method, check=False, root=root)
+    report = {row.loop: row.relaxed for row in designed.report}
+    assert report["yaw"] == "left out: no rudder"
+    assert designed.yaw == YawGains(K=0.0)
+    assert not report["roll"]
+    assert {"pitch", "heading", "speed", "altitude"} < {*report}
 
 
 @pytest.mark.long

@@ -51,6 +51,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 _INPUTS = ("elevator", "aileron", "rudder", "throttle")
+# fraction of the largest effect of a command, above rounding errors
+_NO_EFFECT = 1e-6
 _OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
 
 
@@ -150,7 +152,8 @@ def design_gains(
     turbulence: altitude within 60 ft, pitch angle within 5 deg rms, and the throttle at a stop for
     at most 5 % of the time. If no candidate meets all requirements, the margins are relaxed in
     steps, and the report lists the unmet ones. In a glide (``mode="glide"``) the loops that require
-    an engine, airspeed and altitude, and the limits of the envelope are omitted.
+    an engine, airspeed and altitude, and the limits of the envelope are omitted; without an
+    effective rudder those of yaw are.
 
     Parameters
     ----------
@@ -291,15 +294,29 @@ def _has_power(trim: TrimState) -> bool:
     return bool(trim.throttle) and trim.condition.mode != "glide"
 
 
-def plant_model(plane: Aircraft, method: Literal["flown", "algebraic"] = "flown") -> LinearModel:
-    """Linear model of the aircraft about its trim, for which the loops are shaped."""
-    inputs = _INPUTS if _has_power(plane.trim) else _INPUTS[:3]
+def plant_model(
+    plane: Aircraft,
+    method: Literal["flown", "algebraic"] = "flown",
+    inputs: Sequence[str] = _INPUTS,
+) -> LinearModel:
+    """Linear model of the aircraft about its trim, for which the loops are shaped.
+
+    It has no throttle without power, and no rudder if this has no effect.
+    """
+    inputs = [name for name in inputs if name != "throttle" or _has_power(plane.trim)]
+    others = [name for name in inputs if name != "rudder"]
     try:
         with warnings.catch_warnings():
             # warnings of nonlinearity: the steps are flown on the aircraft itself anyway
             warnings.simplefilter("ignore", RuntimeWarning)
-            return plane.linear_model(method, inputs, _OUTPUTS)
+            model = plane.linear_model(method, inputs, _OUTPUTS)
+        effects = abs(model.B).max(axis=0)
+        if "rudder" in inputs and effects[inputs.index("rudder")] < _NO_EFFECT * effects.max():
+            return plant_model(plane, method, others)
+        return model
     except LinearisationError as error:
+        if (error.reason, error.name) == ("no response", "rudder"):
+            return plant_model(plane, method, others)
         name = plane.airframe.aircraft
         raise DesignError(
             f"no gains for {name!r}: {error}",
@@ -331,8 +348,10 @@ def _loops(
     heading, heading_row = design_heading(
         plant, roll.ramp, roll_row.settling, vt, trim.phi, neighbours
     )
-    outer: SpeedAndAltitude = None, _left_out("speed"), None, _left_out("altitude")
-    if limits is not None:
+    outer: SpeedAndAltitude
+    if limits is None:
+        outer = None, _left_out("speed", "engine"), None, _left_out("altitude", "engine")
+    else:
         outer = _speed_and_altitude(plant, trim, limits, ramp, neighbours)
     speed, speed_row, climb, climb_row = outer
     report = [pitch_row, roll_row, yaw_row, heading_row, speed_row, climb_row]
@@ -347,10 +366,10 @@ def _loops(
     }
 
 
-def _left_out(loop: str) -> LoopReport:
-    """The report of a loop that needs an engine."""
+def _left_out(loop: str, control: str) -> LoopReport:
+    """The report of a loop that the aircraft has no control for."""
     nan = math.nan
-    return LoopReport(loop, nan, nan, nan, nan, nan, relaxed="left out: no engine")
+    return LoopReport(loop, nan, nan, nan, nan, nan, relaxed=f"left out: no {control}")
 
 
 def _roll_and_yaw(
@@ -366,6 +385,11 @@ def _roll_and_yaw(
     def rolled(yaw: YawGains) -> tuple[AttitudeGains, LoopReport]:
         return design_attitude(damped(plant, yaw), loop, ramp, travel, neighbours)
 
+    if "rudder" not in plant.inputs:
+        yaw = YawGains(K=0.0)
+        gains, report = design_attitude(plant, loop, ramp, travel, neighbours)
+        outcome = _left_out("yaw", "rudder")
+        return gains, report, yaw, outcome, closed(plant, ROLL, gains, "phi_cmd")
     damper = design_yaw(plant, rudder)
     rolling = closed(plant, ROLL, rolled(damper)[0], "phi_cmd")
     yaw, outcome = design_rudder(rolling, damper, rudder, vt, ramp, neighbours)

@@ -9,6 +9,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from .._core.checks import integer, mapping
 from ..errors import BlocksError, ParameterError, PropertyError, TrimError
 from ..flight import Airframe, TrimCondition, TrimState, has_retractable_gear
@@ -18,7 +20,7 @@ from ..flight.model_xml import Engine
 from ..flight.trimming.effects import Effect, command_effects
 
 if TYPE_CHECKING:
-    from ..linear import Mode
+    from ..linear import LinearModel, Mode
 
 # the next step, by the subject of a fault or the reason of a failed trim
 _ADVICE = {
@@ -43,6 +45,13 @@ _SIGNS = {"udot": 1.0, "qdot": -1.0, "pdot": 1.0, "rdot": -1.0}
 
 # modes that only integrate, or are not of the airframe
 _OTHERS = ("altitude", "heading", "position", "engine")
+
+# s, time to double below which an aircraft is not steady, whatever a flight shows: that of a spiral
+# at level 3 of MIL-F-8785C
+_DOUBLES = 4.0
+
+# error of a flown linear model that is named
+_MISFIT = 0.5
 
 
 class Fault(NamedTuple):
@@ -109,6 +118,7 @@ class AircraftReport:
         states = [self.trim] if self.trim else []
         option = " --method algebraic" if self.method == "algebraic" else ""
         subjects = [fault.subject for fault in self.faults]
+        unstable = "hands off" in subjects
         design = f"pathsim-jsbsim gains {self.aircraft}{option} designs them"
         return {
             "engines": [f"{number} {kind}" for kind, number in kinds.items()],
@@ -122,7 +132,9 @@ class AircraftReport:
                 f"throttle {max(state.throttle, default=0.0):.2f}"
                 for state in states
             ],
-            "hands off": [str(state.drift) for state in states],
+            "hands off": [
+                f"{'not ' * (unstable and bool(state.steady))}{state.drift}" for state in states
+            ],
             "modes": [_of_mode(mode) for mode in self.modes if mode.name not in _OTHERS],
             "gains": [design] if self.method and "signs" not in subjects else [],
         }
@@ -135,9 +147,10 @@ def _of_effect(effect: Effect) -> str:
 
 
 def _of_mode(mode: Mode) -> str:
-    if mode.oscillatory:
-        return f"{mode.name} {mode.frequency:.3g} rad/s, damping {mode.damping:.2f}"
     stable = mode.pole.real < 0.0
+    if mode.oscillatory:
+        growth = "" if stable else f", doubles in {mode.time_to_double:.3g} s"
+        return f"{mode.name} {mode.frequency:.3g} rad/s, damping {mode.damping:.2f}{growth}"
     time = mode.time_to_half if stable else mode.time_to_double
     return f"{mode.name} {'halves' if stable else 'doubles'} in {time:.3g} s"
 
@@ -235,10 +248,17 @@ def _flown(airframe: Airframe, clean: TrimCondition, model: Mapping[str, Any]) -
     except BlocksError as error:
         return {"faults": (_fault("trim", str(error)),)}
     report = {**_moved(model, flight.condition), "trim": flight.trim}
-    if not flight.trim.steady:
-        report["faults"] += (_fault("hands off", str(flight.trim.drift)),)
     method, modes, faults = _modes(model, flight.condition)
+    causes = [] if flight.trim.steady else [str(flight.trim.drift)]
+    causes += [_of_mode(mode) for mode in modes if _is_unstable(mode)]
+    if causes:
+        report["faults"] += (_fault("hands off", "; ".join(causes)),)
     return {**report, "method": method, "modes": modes, "faults": (*report["faults"], *faults)}
+
+
+def _is_unstable(mode: Mode) -> bool:
+    """Whether a motion grows so fast that the aircraft is not steady."""
+    return mode.name not in _OTHERS and mode.time_to_double < _DOUBLES
 
 
 def _half_full(model: Mapping[str, Any], tanks: Iterable[str]) -> dict[str, float]:
@@ -282,8 +302,19 @@ def _modes(
     faults = tuple[Fault, ...]()
     for method in ("flown", "algebraic"):
         try:
-            plane = Aircraft(**model, condition=condition)
-            return method, tuple(plant_model(plane, method).modes()), faults
+            linear = plant_model(Aircraft(**model, condition=condition), method)
         except BlocksError as error:
             faults = faults or (_fault("linear model", str(error.__cause__ or error)),)
+        else:
+            return method, tuple(linear.modes()), (*faults, *_misfit(linear))
     return "", (), faults
+
+
+def _misfit(linear: LinearModel) -> tuple[Fault, ...]:
+    """The fault of a flown model that is far from the flights from which it was identified."""
+    errors = np.nan_to_num(linear.fit)
+    pairs = np.argwhere(errors > _MISFIT)
+    if not len(pairs):
+        return ()
+    texts = [f"{linear.outputs[i]} after {linear.inputs[j]} {errors[i, j]:.0%}" for i, j in pairs]
+    return (_fault("linear model", f"errors of the flown one: {', '.join(texts)}"),)
