@@ -20,7 +20,7 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.design import design_gains
 from pathsim_jsbsim_blocks.flight import Airframe, trim
-from pathsim_jsbsim_blocks.flight.trimming.effects import command_effects
+from pathsim_jsbsim_blocks.flight.trimming.effects import responses
 
 SINGLE = {"altitude": 5000, "speed": 90}
 TWIN = {"altitude": 5000, "speed": 110, "gear": 0}
@@ -468,7 +468,7 @@ def test_a_model_without_aerodynamics_and_a_rotorcraft_are_called_so(tmp_path):
 )
 def test_the_effects_of_commands_are_those_of_a_short_flight(aircraft, condition):
     airframe = Airframe(aircraft)
-    effects = {e.command: e for e in command_effects(airframe, TrimCondition(**condition))}
+    effects = {e.command: e for e in responses(airframe, TrimCondition(**condition))[1]}
     assert all(e.moves and not e.written_by_model for e in effects.values())
     assert effects["throttle"].size > 1.0  # ft/s2
     plane = Airframe(aircraft)

@@ -126,6 +126,8 @@ class Airframe(Powerplant):
             must_be("create", create, "a dict of names and values, or 'missing'")
         values = dict(mapping("create", create))
         self._creates_missing = flag("create['missing']", values.pop("missing", False))
+        # whether a trial has shown that it initialises with what is created
+        self._is_complete = not self._creates_missing
         self.created = {name: number(f"create[{name!r}]", x) for name, x in values.items()}
         self._planet = None if planet is None else planet_xml(planet)
         self._equations = integrator_properties(integrators)
@@ -214,8 +216,14 @@ class Airframe(Powerplant):
             if failure and not to_create:
                 raise self._cannot("load aircraft {!r}", failure)
             lacking |= dict.fromkeys(to_create, 0.0)
-            if not (failure or (to_create and self._creates_missing)):
+            if failure or (to_create and self._creates_missing):
+                continue
+            if self._is_complete:
                 break
+            # a trial, after which the model is loaded once more
+            names = [name for name in self._initialised()[0] if name not in lacking]
+            lacking |= dict.fromkeys(names, 0.0)
+            self._is_complete = not names
         if lacking and not self._creates_missing:
             raise self._lacks(lacking)
         if lacking:
@@ -339,12 +347,19 @@ class Airframe(Powerplant):
         AircraftError
             if JSBSim cannot
         """
-        if failure := failure_of(self.fdm.run_ic):
-            missing = re.findall(r"property (\S+) does not exist", failure)
-            if missing:  # referred to in a way that `references` does not recognise
-                never_free(self.fdm)
-                raise self._lacks(dict.fromkeys(missing, 0.0))
+        missing, failure = self._initialised()
+        if missing:
+            raise self._lacks(dict.fromkeys(missing, 0.0))
+        if failure:
             raise self._cannot("initialise aircraft {!r}", failure)
+
+    def _initialised(self) -> tuple[list[str], str]:
+        """Initialise: missing properties that only JSBSim recognises, and why it failed."""
+        failure = failure_of(self.fdm.run_ic)
+        missing = re.findall(r"property (\S+) does not exist", failure)
+        if missing:
+            never_free(self.fdm)
+        return missing, failure
 
     @property
     def components(self) -> tuple[ET.Element, ...]:

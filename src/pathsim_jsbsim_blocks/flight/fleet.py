@@ -124,15 +124,18 @@ def prepared(
 
     Properties that the model lacks are created as 0 unless ``create`` has them.
     """
-    try:
-        airframe = Airframe(aircraft, root=root, create=create, substeps=substeps)
-    except AircraftError as error:
-        if not error.missing:
-            raise
-        lacking = dict.fromkeys(error.missing, 0.0)
-        create = {**mapping("create", create), **lacking}
-        airframe = Airframe(aircraft, root=root, create=create, substeps=substeps)
-    airframe.run_ic()
+    lacking = dict[str, float]()
+    while True:
+        try:
+            airframe = Airframe(aircraft, root=root, create=create, substeps=substeps)
+            airframe.run_ic()
+            break
+        except AircraftError as error:
+            # JSBSim names some only when it initialises
+            if isinstance(create, str) or not {*error.missing} - {*lacking}:
+                raise
+            lacking |= dict.fromkeys(error.missing, 0.0)
+            create = {**mapping("create", create), **lacking}
     gear = 0.0 if has_retractable_gear(aircraft, root) else None
     frozen = {"propulsion/fuel_freeze": 1.0} if airframe.has("propulsion/fuel_freeze") else {}
     return airframe, TrimCondition(gear=gear, setup=frozen)

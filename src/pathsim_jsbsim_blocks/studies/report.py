@@ -17,7 +17,9 @@ from ..flight import Airframe, TrimCondition, TrimState, has_retractable_gear
 from ..flight.fleet import GLIDES, TRIES, first_trim, prepared
 from ..flight.model_files import ModelFile
 from ..flight.model_xml import Engine
-from ..flight.trimming.effects import Effect, command_effects
+from ..flight.trimming.effects import NONE, Effect, responses
+from ..flight.trimming.equations import RESIDUALS
+from ..flight.trimming.state import UNITS
 
 if TYPE_CHECKING:
     from ..linear import LinearModel, Mode
@@ -31,7 +33,8 @@ _ADVICE = {
     "commands": "see what moves the surfaces, pathsim-jsbsim properties NAME fcs, and command that",
     "signs": "negate them in the model's XML: gains and holds assume the signs of JSBSim's models",
     "no effect": "see the commands above",
-    "propeller": "give each <propeller> a moment of inertia, <ixx>, or try other conditions",
+    "propeller": "use the substeps or the inertia it names (--substeps), or start with mode='none'",
+    "no convergence": "start it with mode='none', and see what does not come to rest",
     "mixture": "set that mixture: --set (setup)",
     "rotorcraft": "start it with mode='none', and fly it with a controller of your own",
     "aerodynamics": "start it with mode='none'",
@@ -212,7 +215,9 @@ def aircraft_report(
     values = create if isinstance(create, Mapping) else {}
     missing = tuple(name for name in airframe.created if name not in values)
     if missing:
-        fault = _fault("properties", f"missing: {', '.join(missing)}; 0 in this report")
+        texts = [f"missing: {', '.join(missing)}; 0 in this report"]
+        texts += _changes_at_one(model, flown.get("condition"), missing)
+        fault = _fault("properties", "; ".join(texts))
         flown["faults"] = (fault, *flown["faults"])
     return AircraftReport(
         file.aircraft,
@@ -273,7 +278,7 @@ def _half_full(model: Mapping[str, Any], tanks: Iterable[str]) -> dict[str, floa
 def _moved(model: Mapping[str, Any], condition: TrimCondition) -> dict[str, Any]:
     """Condition, effects of the commands, and a fault if some have none."""
     try:
-        effects = tuple(command_effects(Airframe(**model), condition))
+        effects = tuple(responses(Airframe(**model), condition)[1])
     except BlocksError as error:
         return {"condition": condition, "faults": (_fault("commands", str(error), "trim"),)}
     note = " (the model writes it itself)"
@@ -290,6 +295,37 @@ def _moved(model: Mapping[str, Any], condition: TrimCondition) -> dict[str, Any]
     texts = {"commands": "; ".join(idle), "signs": "; ".join(angles)}
     faults = tuple(_fault(subject, text) for subject, text in texts.items() if text)
     return {"condition": condition, "effects": effects, "faults": faults}
+
+
+def _changes_at_one(
+    model: Mapping[str, Any], condition: TrimCondition | None, names: Iterable[str]
+) -> list[str]:
+    """What created properties change if they are 1 instead of 0, where this can be computed."""
+    if condition is None:
+        return []
+
+    def at(create: Mapping[str, float]) -> dict[tuple[str, str], float]:
+        accelerations, effects = responses(Airframe(**{**model, "create": create}), condition)
+        values = {("", name): x for name, x in accelerations.items()}
+        return values | {(f"effect of {e.command} on ", e.acceleration): e.size for e in effects}
+
+    texts = []
+    try:
+        before = at(model["create"])
+        for name in names:
+            after = at({**model["create"], name: 1.0})
+            # in tolerances of the search
+            changes = {
+                k: np.nan_to_num((after[k] - x) / RESIDUALS[k[1]]) for k, x in before.items()
+            }
+            what, acceleration = largest = max(changes, key=lambda k: abs(changes[k]))
+            if abs(changes[largest]) > NONE:
+                change = f"{after[largest] - before[largest]:+.3g} {UNITS[acceleration]}"
+                texts.append(f"{name} at 1 changes {what}{acceleration} by {change}")
+    except BlocksError:
+        # the report has the reason
+        return []
+    return texts
 
 
 def _modes(

@@ -38,9 +38,10 @@ def trim(
     below 1e-4 ft/s2 and pdot, qdot, rdot below 1e-5 rad/s2 (usually 1e-9), with propellers and
     flight control system settled and fuel frozen. A second aircraft then flies from the trim (not
     in a pull-up): for 0.25 s vdot must stay below 0.1 ft/s2 and pdot, qdot, rdot below 0.02 rad/s2,
-    and engines must have fuel for 1 s. Ten times these residuals are accepted with a warning if
-    this flight stays within 0.5 kt, 5 ft and 0.1 deg of its path for 5 s, as below. In a turn the sideslip is zero and the turn rate follows
-    from the side force; ``ny`` of the state is the side load.
+    and engines must have fuel for 1 s. A search that ends with up to ten times its tolerances is
+    accepted with a warning if this flight stays within 0.5 kt, 5 ft and 0.1 deg for 5 s, as below.
+    In a turn the sideslip is zero and the turn rate follows from the side force; ``ny`` of the
+    state is the side load.
     On the ground another aircraft is let down with brakes on and engines stopped until it rests;
     from there height, pitch and bank balance wdot, qdot and pdot with engines settled at idle.
     JSBSim's own search (``solver="jsbsim"``) moves one control after the other, to residuals of up

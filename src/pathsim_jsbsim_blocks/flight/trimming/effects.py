@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +26,7 @@ COMMANDS = {
 _STEP = 0.5
 
 # change of an acceleration, in tolerances of the search, below which a command has no effect
-_NONE = 10.0
+NONE = 10.0
 
 # maximum repetitions of a state with memory
 _REPEATS = 20
@@ -48,15 +48,15 @@ class Effect(NamedTuple):
     written_by_model: bool
 
 
-def command_effects(
-    airframe: Airframe, condition: TrimCondition, setup: Mapping[str, float] | None = None
-) -> list[Effect]:
-    """The effects of throttle, pitch, roll and yaw command of an airframe at a condition.
+def responses(
+    airframe: Airframe, condition: TrimCondition
+) -> tuple[dict[str, float], list[Effect]]:
+    """Accelerations of an airframe at a condition, and the effects of its commands on them.
 
     They are those at an angle of attack of 3 deg and half throttle, not of a trim, which need not
-    exist. Without an engine there is no throttle.
+    exist. The commands are throttle, pitch, roll and yaw; without an engine there is no throttle.
     """
-    settings = properties(airframe, condition, setup)
+    settings = properties(airframe, condition, None)
     airframe.write(settings, "setup")
     airframe.stopped = engines_off(airframe, condition, settings)
     with airframe.fuel_frozen(), airframe.engines_stopped():
@@ -64,7 +64,10 @@ def command_effects(
         in_time = airframe.has_kind("turboprop")
         flight = SteadyFlight(airframe, condition, Effort(), in_time)
         flight.try_out()
-        return list(effects(flight, flight.guess(3.0, 0.5), airframe))
+        x = flight.guess(3.0, 0.5)
+        at_rest = zip(flight.used, _at_rest(flight, x).tolist(), strict=True)
+        accelerations = {name: r * RESIDUALS[name] for name, r in at_rest if name in RESIDUALS}
+        return accelerations, list(effects(flight, x, airframe))
 
 
 def effects(
@@ -89,7 +92,7 @@ def effects(
         change = float(motion[row] - 0.5 * (base[row] + again[row]))
         base = again
         size = change * RESIDUALS[acceleration] / step
-        moves = not abs(change) <= _NONE  # NaN is an effect
+        moves = not abs(change) <= NONE  # NaN is an effect
         yield Effect(command, tuple(names), acceleration, size, moves, rewrites)
 
 
