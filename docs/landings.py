@@ -2,14 +2,13 @@
 
     python docs/landings.py [CASES [SEED]]
     python docs/landings.py crosswind
-    python docs/landings.py winds
 
 Default is 100 cases of each aircraft; another seed draws others and prints what becomes of them.
 Each flies the diagram ``autoland_737`` or ``autoland_c172p`` with weight, centre of gravity, wind,
 turbulence, course and elevation of the runway drawn anew.
 
 With ``crosswind`` five tables make 20 approaches each at 1.3 of the lowest airspeed that trims, in
-10 kt of crosswind with turbulence; with ``winds`` the MD11 makes one in each of five winds.
+10 kt of crosswind with turbulence.
 """
 
 import math
@@ -52,14 +51,6 @@ CROSS, CROSS_GUSTS, APPROACHES = 10.0, 14.0, 20
 # of the lowest airspeed, height of the beginning [ft], and airspeeds from which the lowest is
 # looked for, of level flight
 OF_LOWEST, ABOVE, FROM = 1.3, 700.0, (1.0, 0.9, 0.8, 0.7, 0.6)
-# headwind, crosswind [kt], and wind at 20 ft [kt] of the turbulence
-WINDS = {
-    "calm": (0.0, 0.0, 0.0),
-    "headwind": (15.0, 0.0, 0.0),
-    "crosswind": (0.0, 10.0, 0.0),
-    "tailwind": (-10.0, 0.0, 0.0),
-    "turbulence": (0.0, 0.0, 20.0),
-}
 CG, FUEL, HEAD, GUSTS = 0.03, (0.2, 1.0), (-5.0, 20.0), (15.0, 30.0)
 ELEVATION, COURSE, ASIDE = (0.0, 5000.0), (0.0, 360.0), 500.0
 INTERCEPT = 20.0  # deg
@@ -341,23 +332,6 @@ def crosswind():
     put(PAGE, "crosswind", "\n".join(lines))
 
 
-def winds():
-    """The table of approaches of the MD11 in winds."""
-    lines = [
-        "| wind | sink rate [ft/s] | past [ft] | aside [ft] | in the roll-out [ft] "
-        "| outcome, or what is beyond its limit |"
-    ]
-    lines.append("|---|--:|--:|--:|--:|---|")
-    for name, blows in WINDS.items():
-        course, built = approach("MD11", 1, *blows)
-        found = landed("autoland_737", built, course)
-        print(name, found, flush=True)
-        keys = ("sink", 1), ("past", 0), ("across", 0), ("roll_out", 0)
-        cells = [f"{found[key]:.{digits}f}" if "sink" in found else "" for key, digits in keys]
-        lines.append(f"| {name} | {' | '.join(cells)} | {outcome('MD11', found)} |")
-    put(PAGE, "winds", "\n".join(lines))
-
-
 def main(cases=CASES, seed=0):
     results = {}
     for name in FLEET:
@@ -373,7 +347,5 @@ def main(cases=CASES, seed=0):
 if __name__ == "__main__":
     if sys.argv[1:] == ["crosswind"]:
         crosswind()
-    elif sys.argv[1:] == ["winds"]:
-        winds()
     else:
         main(*map(int, sys.argv[1:]))
