@@ -638,6 +638,19 @@ def test_a_gust_does_not_reduce_the_climb(airspeed, share):
     assert found.vc_min == pytest.approx(40.0, abs=0.1)
 
 
+def test_throttle_is_added_with_a_lag_because_gusts_cost_airspeed_too():
+    # near the minimum of 60 KCAS 2 kt below the command add full throttle; 6 kt are gone at once
+    limits = EnvelopeLimits(alpha_max=12.0, vc_min=60.0, climb_max=20.0, descent_max=20.0)
+    guard, alpha = Protection(T, None, limits), 12.0 * (60.0 / (1.1 * 62.0)) ** 2
+    state, boosts, t = Protection.START, [], T * np.arange(1, 241)
+    signals = 4.0, alpha, 0.0, 0.0, 62.0, False, False, 62.0
+    _, state = guard.sample(state, *signals, airspeed=62.0)
+    for _ in t:
+        found, state = guard.sample(state, *signals, airspeed=56.0)
+        boosts.append(found.boost)
+    assert boosts == pytest.approx(1.0 - np.exp(-t / 2.0), abs=1e-6)
+
+
 def test_the_highest_airspeed_is_the_lower_of_two():
     # Mach 0.82 at 24,000 and 39,000 ft are 354.15 and 255.28 KCAS in JSBSim, by geopotential height
     assert fastest_airspeed(340.0, 0.82, 10_000.0) == 340.0
