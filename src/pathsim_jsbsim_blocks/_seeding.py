@@ -147,9 +147,8 @@ def outside_generators(function: Any) -> dict[str, Any]:
         objects |= {f"argument {name}": value for name, value in bound.items()}
         function = function.func
     owner = getattr(function, "__self__", function)
-    objects |= {
-        f"attribute {name}": value for name, value in getattr(owner, "__dict__", {}).items()
-    }
+    attributes = getattr(owner, "__dict__", {})
+    objects |= {f"attribute {name}": value for name, value in attributes.items()}
     if not hasattr(function, "__globals__"):  # an object that is called
         function = getattr(type(function).__call__, "__func__", type(function).__call__)
     function = getattr(function, "__func__", function)

@@ -85,10 +85,8 @@ def _mistakes(sim: Simulation) -> Iterator[str]:
                 yield f"{_port(block, i, block.inputs)} is not connected and reads 0"
         commands: Mapping[str, str] = getattr(block, "commands", {})
         for command, switch in commands.items():
-            (i,), inputs = (
-                _numbers([command], block.outputs),
-                {j for b, j in ends if b == id(block)},
-            )
+            (i,) = _numbers([command], block.outputs)
+            inputs = {j for b, j in ends if b == id(block)}
             if (id(block), i) not in starts and not inputs & {*_numbers([switch], block.inputs)}:
                 port = _port(block, i, block.outputs)
                 yield f"{port} is not connected: the command has no effect"

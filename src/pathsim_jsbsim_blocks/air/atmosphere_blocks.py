@@ -166,11 +166,7 @@ class ISAtmosphere(AirDataBlock, flight.ISAtmosphere):
     StdSL_speed_of_sound = A0
     atmosphere_bands = [
         flight.ISAtmosphere.AtmosphereBand(
-            layer.base,
-            upper.base,
-            layer.temperature,
-            layer.pressure,
-            round(layer.lapse_rate, 9),
+            layer.base, upper.base, layer.temperature, layer.pressure, round(layer.lapse_rate, 9)
         )
         for layer, upper in pairwise(LAYERS)
     ]

@@ -147,9 +147,7 @@ class Rough:
             f"{pitch:.1f} deg rms": pitch > req.PITCH_IN_TURBULENCE,
             f"{stop:.0%} at the throttle's stop": stop > req.STOP_IN_TURBULENCE,
         }
-        return tuple(
-            f"turbulence {text}" for text, is_violation in violations.items() if is_violation
-        )
+        return tuple(f"turbulence {text}" for text, over in violations.items() if over)
 
 
 def at_a_stop(throttle: np.ndarray, room: tuple[float, float]) -> np.ndarray:

@@ -345,11 +345,8 @@ class Autopilot(GuidedHold):
             boost=bounds.boost,
             feed=bounds.feed,
         )
-        climb, lever_ref, v_pitch = (
-            self.wanted("hdot_ref", port.hdot_ref),
-            None,
-            ReferenceLoop.START,
-        )
+        climb = self.wanted("hdot_ref", port.hdot_ref)
+        lever_ref, v_pitch = None, ReferenceLoop.START
         if on_pitch:
             cut = state.vertical.altitude.cut
             rate, vc_cmd, v_pitch = self.on_pitch.sample(

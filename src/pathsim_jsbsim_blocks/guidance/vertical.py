@@ -161,17 +161,8 @@ class Vertical:
         highest, fastest = bounds.theta_max, math.inf
         if protection := self.protection(motion.alpha):
             fastest = protection.pitch_rate(motion.vc, motion.h)
-        target = max(target, bounds.theta_min)
+        target, measured = max(target, bounds.theta_min), (motion.theta, motion.q)
         elevator, theta_cmd, pitch = self.pitch.sample(
-            state.pitch,
-            motion.theta,
-            motion.q,
-            target,
-            keeps,
-            motion.sat,
-            motion.off,
-            0.0,
-            highest,
-            fastest,
+            state.pitch, *measured, target, keeps, motion.sat, motion.off, 0.0, highest, fastest
         )
         return elevator, theta_cmd, pitch, max(target - highest, 0.0)

@@ -132,13 +132,11 @@ class _Responses:
         even = _rms(self._even[:, : flights.pulsed])
         self._kinked = (even / np.maximum(size, noise)).T
         # a signal with the same response up and down has no first-order response
-        self._mute = [
-            i for i, parities in enumerate(self._kinked) if np.all(parities > _NOT_LINEAR)
-        ]
+        self._mute = [i for i, ratio in enumerate(self._kinked) if np.all(ratio > _NOT_LINEAR)]
         motion = [i for i, c in enumerate(self._signals) if c in RIGID]
         self._rigid = [i for i in motion if i not in self._mute]
-        parities = np.where((size > noise).T, self._kinked, np.nan)[motion]
-        for name, kinks in zip(self._names, parities.T, strict=True):
+        ratio = np.where((size > noise).T, self._kinked, np.nan)[motion]
+        for name, kinks in zip(self._names, ratio.T, strict=True):
             if np.any(kinks > _NOT_LINEAR) and not np.any(kinks <= _NOT_LINEAR):
                 why = (
                     f"no response to {name!r} changes sign with it: it is at a limit of its range "

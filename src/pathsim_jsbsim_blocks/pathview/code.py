@@ -313,10 +313,8 @@ class Code:
                 self._need(name)
                 return name
         name = self._free(wish, module)
-        is_name = module.__name__ == name
-        self._pieces[name] = Piece(
-            f"import {module.__name__}" + ("" if is_name else f" as {name}"), -1
-        )
+        alias = "" if module.__name__ == name else f" as {name}"
+        self._pieces[name] = Piece(f"import {module.__name__}{alias}", -1)
         self._need(name)
         return name
 

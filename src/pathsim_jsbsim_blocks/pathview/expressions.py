@@ -123,10 +123,9 @@ class Expressions:
         return isinstance(node, _PLAIN)
 
     def _is_value(self, value: Any) -> bool:
-        has_name = isinstance(value, (types.ModuleType, type)) or _is_mathematical(value)
-        return (
-            has_name or is_data(value) or (dataclasses.is_dataclass(value) and is_data(vars(value)))
-        )
+        if isinstance(value, (types.ModuleType, type)) or _is_mathematical(value):
+            return True
+        return is_data(value) or (dataclasses.is_dataclass(value) and is_data(vars(value)))
 
     def _is_pure(self, function: ast.expr) -> bool:
         value = self._resolved(function)

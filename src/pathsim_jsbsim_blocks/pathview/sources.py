@@ -58,11 +58,9 @@ def of_function(function: types.FunctionType) -> SourceNode | None:
 def of_class(name: str, path: str, lines: list[int]) -> SourceNode | None:
     """The definition of a class; ``lines`` are those of its methods, to tell namesakes apart."""
     source, definitions = _definitions(path)
-    namesakes = [n for n in definitions if isinstance(n, ast.ClassDef) and n.name == name]
-    matches = [
-        n for n in namesakes if any(n.lineno <= line <= (n.end_lineno or 0) for line in lines)
-    ]
-    return _the_one(source, matches or namesakes)
+    candidates = [n for n in definitions if isinstance(n, ast.ClassDef) and n.name == name]
+    hits = [n for n in candidates if any(n.lineno <= line <= (n.end_lineno or 0) for line in lines)]
+    return _the_one(source, hits or candidates)
 
 
 def _span(code: types.CodeType) -> tuple[int, ...]:

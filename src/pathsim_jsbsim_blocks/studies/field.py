@@ -55,7 +55,7 @@ def _take_off(plane: Plane) -> tuple[float, float, float]:
     theta = min(climb.theta, _STEEPEST) if climb else _USUAL
     screen = _LARGE_SCREEN if plane.weight > LARGE else _SCREEN
     on_wheels = _on_wheels(plane)
-    screen_height = on_wheels.altitude - plane.base.altitude + screen
+    clear = on_wheels.altitude - plane.base.altitude + screen
     aircraft, gains = _aircraft(plane, on_wheels.condition), plane.airframe.aircraft
     pitch, roll = PitchHold(gains=gains, theta_ref=theta), RollHold(gains=gains, phi_ref=0.0)
     pilot = Function(lambda speed: (1.0, float(speed < _ROTATION * slow.speed)))
@@ -66,12 +66,9 @@ def _take_off(plane: Plane) -> tuple[float, float, float]:
     wires += [Connection(pitch["elevator"], aircraft["elevator"])]
     wires += [Connection(roll["aileron"], aircraft["aileron"])]
     way, speed, height, gear, _ = _flown(
-        plane,
-        [aircraft, pitch, roll, pilot],
-        wires,
-        lambda: aircraft.outputs["h_agl"] > screen_height,
+        plane, [aircraft, pitch, roll, pilot], wires, lambda: aircraft.outputs["h_agl"] > clear
     )
-    if height[-1] < screen_height or not gear.any():
+    if height[-1] < clear or not gear.any():
         raise BlocksError(f"not at {screen:g} ft within {_LONGEST:g} s")
     off = int(np.flatnonzero(gear)[-1])
     return float(way[-1]), float(way[off]), float(speed[off])

@@ -101,11 +101,9 @@ def _checksum(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:16]
 
 
-def _differences(past: Mapping[str, str], present: Mapping[str, str]) -> str:
-    names = sorted(x for x in {*past, *present} if past.get(x) != present.get(x))
-    kinds = (
-        "new" if x not in past else "missing" if x not in present else "changed" for x in names
-    )
+def _differences(old: Mapping[str, str], new: Mapping[str, str]) -> str:
+    names = sorted(x for x in {*old, *new} if old.get(x) != new.get(x))
+    kinds = ("new" if x not in old else "missing" if x not in new else "changed" for x in names)
     return ", ".join(f"{name} is {kind}" for name, kind in zip(names[:10], kinds, strict=False))
 
 

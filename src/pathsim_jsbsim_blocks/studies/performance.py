@@ -211,14 +211,12 @@ def _glides(plane: Plane, glides: Sequence[TrimState]) -> None:
         plane.put("best glide ratio", _lift_over_drag(far), far.speed)
         plane.flown(rate and _lift_over_drag(far, math.degrees(math.asin(rate / 60.0 / far.tas))))
     plane.put("least sink rate", -climb_rate(slow), slow.speed)
-    low_speed = [s for s in glides if s.mach < 0.6 and s.alpha < glides[0].alpha - 3.0]
-    if len(low_speed) < 3 or plane.area <= 0.0:
+    low = [s for s in glides if s.mach < 0.6 and s.alpha < glides[0].alpha - 3.0]
+    if len(low) < 3 or plane.area <= 0.0:
         return
-    force = np.array([0.5 * RHO0 * plane.light * s.tas**2 * plane.area for s in low_speed])
-    alpha, gamma = (
-        np.radians([getattr(s, name) for s in low_speed]) for name in ("alpha", "gamma")
-    )
-    thrust = np.array([s.thrust for s in low_speed])
+    force = np.array([0.5 * RHO0 * plane.light * s.tas**2 * plane.area for s in low])
+    alpha, gamma = (np.radians([getattr(s, name) for s in low]) for name in ("alpha", "gamma"))
+    thrust = np.array([s.thrust for s in low])
     lift = (plane.weight * np.cos(gamma) - thrust * np.sin(alpha)) / force
     drag = (thrust * np.cos(alpha) - plane.weight * np.sin(gamma)) / force
     induced, zero = np.polyfit(lift**2, drag, 1)

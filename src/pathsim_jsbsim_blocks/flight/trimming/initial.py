@@ -208,10 +208,8 @@ def start_from_file(airframe: Airframe, setup: Mapping[str, float] | None) -> Tr
     airframe.start_outputs()
     airframe.run_ic()
     fdm = airframe.fdm
-    requested_trim = fdm.get_ic().trim_requested()
-    if requested_trim != jsbsim.TrimMode.NONE and (
-        why := failure_of(jsbsim.FGTrim(fdm, requested_trim).do_trim)
-    ):
+    mode = fdm.get_ic().trim_requested()
+    if mode != jsbsim.TrimMode.NONE and (why := failure_of(jsbsim.FGTrim(fdm, mode).do_trim)):
         warn_user(f"{airframe.start}: the trim at the start failed: {why}")
     altitude, speed = fdm[property_of("h")], fdm[property_of("vc")]
     condition = TrimCondition(altitude, speed, mode="none")
