@@ -16,12 +16,13 @@ import numpy as np
 
 from .airframe import Airframe
 
-# s: first step, in which no propeller moves far; longest step, the lag of the manifold pressure
+# s: first step, in which no propeller moves far; longest step, the lag of the manifold pressure (at
+# 5 s the trim of the Boeing314 fails)
 _FIRST = 1e-6
 _LONGEST = 1.0
 
 # maximum growth of a step, and maximum relative change of a speed in it: an engine whose lag is
-# jumped over may stall (Boeing314 at 0.1)
+# jumped over may stall (Boeing314 at 0.1); with a growth of 100 its trim fails
 _GROWTH = 8.0
 _LARGE = 0.02
 
