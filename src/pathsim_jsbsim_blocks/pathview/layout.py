@@ -17,7 +17,7 @@ PAGE = 800  # px, width at which a diagram is readable on a page; a longer chain
 _PORT = 20  # px between ports
 _ROW = 60  # px, free height between blocks
 _GAP = 50  # px, free width between columns, plus GRID for each wire that turns there
-_SWEEPS = 12
+_SWEEPS = 12  # of the heights; with 4 or 48 the wires of the catalogue bend by 0.2 % less or more
 RECORDERS = {"Scope", "Spectrum"}
 _BIG = 4  # outputs of a block that is taken for the plant, after which loops are opened
 
