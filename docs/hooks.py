@@ -27,6 +27,8 @@ def mathml(writer, node):
     block = isinstance(node, nodes.math_block)
     # docutils would take both digits of \frac12 for the numerator
     tex = re.sub(r"(\\[td]?frac)\s*(\d)\s*(\d)", r"\1{\2}{\3}", node.astext())
+    # a blank line separates two equations, as in Sphinx's own formulas
+    tex = re.sub(r"\n\s*\n", r" \\\\ ", tex.strip())
     if r"\\" in tex:
         tex = rf"\begin{{aligned}}{tex}\end{{aligned}}"
     try:

@@ -7,6 +7,8 @@ into FOLDER, a PDF page of it into docs/evidence/performance, and its row of the
 other rows stay. One core works; two in two folders take half the time. The fleet takes an hour.
 """
 
+import re
+import statistics
 import sys
 import textwrap
 import time
@@ -38,6 +40,8 @@ COLUMNS = {
     "take-off ft": ("take-off distance", ".0f"),
     "landing ft": ("landing distance", ".0f"),
 }
+
+REASON = re.compile(r"\(([^)]*)\)")  # of a missing value
 
 # the pictures of docs/performance.md, with the panels of each
 FIGURES = {
@@ -137,8 +141,8 @@ def write(tables):
 def page():
     """The page of the evidence: the table in words, and links."""
     made = pd.read_csv(EVIDENCE / "performance.csv")
-    blank = made[made[[*COLUMNS]].isna().all(axis=1)].aircraft
-    made = made[~made.aircraft.isin(blank)]
+    blank = made[made[[*COLUMNS]].isna().all(axis=1)].set_index("aircraft").missing
+    made = made[~made.aircraft.isin(blank.index)]
     head = HEAD.format(
         measured=measured("performance"),
         count=len(made),
@@ -147,9 +151,10 @@ def page():
         median=pd.to_numeric(made["median"].str.rstrip(" %")).max(),
     )
     links = ", ".join(f"[{name}](performance/{name}.pdf)" for name in made.aircraft)
-    later = [name for name in fleet() if name not in {*made.aircraft, *blank}]
+    later = [name for name in fleet() if name not in {*made.aircraft, *blank.index}]
     rest = f"\nNot made yet: {', '.join(later)}.\n" if later else ""
-    rest += f"\nNo value, because its commands have no effect: {', '.join(blank)}.\n"
+    causes = [f"{name} ({statistics.mode(REASON.findall(why))})" for name, why in blank.items()]
+    rest += f"\nNo value: {', '.join(causes)}.\n"
     listed = textwrap.fill(links, 125, break_long_words=False, break_on_hyphens=False)
     return f"{head}{listed}.\n{rest}"
 

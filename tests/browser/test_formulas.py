@@ -13,14 +13,18 @@ DOCS = Path(__file__).parents[2] / "docs"
 PAGES = {
     "03_diagrams": "notebooks/03_diagrams.ipynb",
     "00_inside_one_step": "notebooks/00_inside_one_step.ipynb",
+    "05b_air_data": "notebooks/05b_air_data.ipynb",
+    "08_thrust_vectoring": "notebooks/08_thrust_vectoring.ipynb",
     "10_climbs": "notebooks/10_climbs.ipynb",
+    "axes": "reference/axes.rst",
+    "wind": "reference/wind.rst",
     "frames": "concepts/frames.md",
 }
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """Two pages of the site: with overdots, and with matrices."""
+    """Pages of the site with overdots, matrices and long formulas."""
     folder = tmp_path_factory.mktemp("site")
     (folder / "source").mkdir()
     for file in PAGES.values():

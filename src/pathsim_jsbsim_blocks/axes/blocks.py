@@ -23,11 +23,11 @@ class WindToBody(NamedFunction):
 
     .. math::
 
-        x = -D \\cos\\alpha \\cos\\beta - Y \\cos\\alpha \\sin\\beta + L \\sin\\alpha
+        x = -(D \\cos\\beta + Y \\sin\\beta) \\cos\\alpha + L \\sin\\alpha
 
         y = -D \\sin\\beta + Y \\cos\\beta
 
-        z = -D \\sin\\alpha \\cos\\beta - Y \\sin\\alpha \\sin\\beta - L \\cos\\alpha
+        z = -(D \\cos\\beta + Y \\sin\\beta) \\sin\\alpha - L \\cos\\alpha
 
     The exact inverse of `BodyToWind`. If beta is not connected, it starts from the stability axes.
 
@@ -56,9 +56,9 @@ class BodyToWind(NamedFunction):
 
     .. math::
 
-        D = -x \\cos\\alpha \\cos\\beta - y \\sin\\beta - z \\sin\\alpha \\cos\\beta
+        D = -(x \\cos\\alpha + z \\sin\\alpha) \\cos\\beta - y \\sin\\beta
 
-        Y = -x \\cos\\alpha \\sin\\beta + y \\cos\\beta - z \\sin\\alpha \\sin\\beta
+        Y = -(x \\cos\\alpha + z \\sin\\alpha) \\sin\\beta + y \\cos\\beta
 
         L = x \\sin\\alpha - z \\cos\\alpha
 

@@ -61,8 +61,9 @@ def dryden_field(
 
     .. math::
         \\sigma_w = 0.1 \\, W_{20}, \\quad
-        \\frac{\\sigma_u}{\\sigma_w} = \\frac{\\sigma_v}{\\sigma_w} = (0.177 + 0.000823 h)^{-0.4},
-        \\quad L_w = h, \\quad L_u = L_v = h \\, (0.177 + 0.000823 h)^{-1.2}
+        \\frac{\\sigma_u}{\\sigma_w} = \\frac{\\sigma_v}{\\sigma_w} = (0.177 + 0.000823 h)^{-0.4}
+
+        L_w = h, \\quad L_u = L_v = h \\, (0.177 + 0.000823 h)^{-1.2}
 
     up to 1000 ft (below 10 ft, with h = 10 ft); from 2000 ft up a common rms, and lengths of
     1750 ft; linear in height between.
