@@ -69,9 +69,10 @@ that are missing, with their reasons; a star marks one whose search ended early 
 
 {flown} values were flown. The median difference of an aircraft is at most {median:.2g} %.
 
-Rows of commit `5f9e2668e` have not been checked against [physics](../performance.md#limits-of-a-chart).
-In them the pc7 stalls more slowly at some larger weights, and the p51d climbs with the throttle
-closed; the thrust of the c310 and the fokker50 and the lift limit of the Camel are irregular.
+Rows of commit `5f9e2668e` have not been checked against
+[physics](../performance.md#limits-of-a-chart). In them the pc7 stalls more slowly at some larger
+weights, and the p51d climbs with the throttle closed; the thrust of the c310 and the fokker50 and
+the lift limit of the Camel are irregular.
 
 `python docs/performance_charts.py FOLDER` makes all pages and the table, in an hour. The charts
 of each aircraft on one page (PDF):
