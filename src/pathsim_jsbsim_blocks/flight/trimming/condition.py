@@ -229,11 +229,9 @@ class TrimCondition:
             if JSBSim cannot read the file, and for a state that is no condition
         """
         # loads JSBSim, which a condition does not need
-        from .reset_file import ResetState
+        from .reset_file import reset_fields
 
-        state = ResetState(file, aircraft, root, create)
-        mode_of_file = next((mode for mode, trim in MODES.items() if trim == state.trim), "none")
-        fields = state.fields(changes.get("mode", mode_of_file))
+        fields = reset_fields(file, aircraft, root, create, changes.get("mode"))
         for name in {*fields, "mach", "gamma", "bank", "latitude", "longitude"} & {*changes} - {
             "mode",
             "setup",
