@@ -51,19 +51,19 @@ class GroundContact:
         self._wheels = len(wheels)
         self._read = airframe.reader_of([_SINK, *self._on, *self._depth])
 
-    def look(self, near: Near | None) -> Near:
-        """What touches, ``near`` of one period earlier; None if that was out of reach."""
+    def look(self, before: Near | None) -> Near:
+        """What touches, ``before`` of one period earlier; None if that was out of reach."""
         hdot, *values = self._read()
         touches = values[: len(self._on)]
-        exempt = near[2] if near else [True] * len(touches)
+        exempt = before[2] if before else [True] * len(touches)
         return hdot, touches, [bool(a and b) for a, b in zip(exempt, touches, strict=True)]
 
-    def broken(self, near: Near) -> tuple[str, str, float] | None:
+    def broken(self, before: Near) -> tuple[str, str, float] | None:
         """Text of the violation in a period, its property and the value; None if there is none."""
         hdot, *values = self._read()
         n = len(self._on)
         touches, depths = values[:n], values[n:]
-        sink, was, exempt = near
+        sink, was, exempt = before
         if touches == was and not any(depths):
             return None
         if any(on and not touched_then for on, touched_then in zip(touches, was, strict=True)):

@@ -136,7 +136,7 @@ def _argument(value: Any) -> Any:
     bracket = f"({value}\n)"
     try:
         with compiling():
-            whole, within = (ast.dump(ast.parse(f"f(x={v}, y=0)")) for v in (bracket, value))
+            sure, plain = (ast.dump(ast.parse(f"f(x={v}, y=0)")) for v in (bracket, value))
     except (SyntaxError, ValueError):
         return bracket
-    return value if whole == within else bracket
+    return value if sure == plain else bracket
