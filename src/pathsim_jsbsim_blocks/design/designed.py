@@ -388,8 +388,8 @@ def _roll_and_yaw(
     if "rudder" not in plant.inputs:
         yaw = YawGains(K=0.0)
         gains, report = design_attitude(plant, loop, ramp, travel, neighbours)
-        outcome = _left_out("yaw", "rudder")
-        return gains, report, yaw, outcome, closed(plant, ROLL, gains, "phi_cmd")
+        rolling = closed(plant, ROLL, gains, "phi_cmd")
+        return gains, report, yaw, _left_out("yaw", "rudder"), rolling
     damper = design_yaw(plant, rudder)
     rolling = closed(plant, ROLL, rolled(damper)[0], "phi_cmd")
     yaw, outcome = design_rudder(rolling, damper, rudder, vt, ramp, neighbours)

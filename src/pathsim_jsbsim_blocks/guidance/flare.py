@@ -77,7 +77,7 @@ class FlareState(NamedTuple):
     acceleration: float = 0.0  # ft/s2, smoothed
     v_ref: float = 0.0  # airspeed at touchdown or at the start of a go-around, ft/s
     gust: float = 0.0  # sink rate of the air, ft/s, smoothed
-    floated: float = 0.0  # length of the flare over the ground, ft
+    length: float = 0.0  # length of the flare over the ground, ft
     least: float = 0.0  # minimum height in the flare, ft
 
 
@@ -272,31 +272,31 @@ class FlareHold(GuidedHold):
         self.retune(vc)
         beam, *_ = state.beam.next(ft, dist, self.clock.period, 0.5)
         height, switches = h - self._checked.gear_height, (wow != 0.0, go_around != 0.0, off != 0.0)
-        now = FlareInputs(height, hdot, theta, alpha, psi, r, vc, approach, *switches)
-        before = state.phase
-        state = self._in_air(self._phase(state._replace(beam=beam), now), now)
-        if before == APPROACH:
-            state = self._taken_over(state, now)
-        if state.phase != before or before == APPROACH:
-            state = self._begun(state, now)
-        slow = state.phase == GO_AROUND and now.down and state.v < state.v_ref
+        port = FlareInputs(height, hdot, theta, alpha, psi, r, vc, approach, *switches)
+        last_phase = state.phase
+        state = self._in_air(self._phase(state._replace(beam=beam), port), port)
+        if last_phase == APPROACH:
+            state = self._taken_over(state, port)
+        if state.phase != last_phase or last_phase == APPROACH:
+            state = self._begun(state, port)
+        slow = state.phase == GO_AROUND and port.down and state.v < state.v_ref
         rolls = state.phase == ROLL_OUT or slow
 
         vertical, motion = self.vertical, Motion(theta, q, h, hdot, vc, alpha)
-        allowed, guard = vertical.guard(state.vertical, motion, 0.0, full_throttle=True)
-        if rolls and now.down:
+        bounds, guard = vertical.guard(state.vertical, motion, 0.0, full_throttle=True)
+        if rolls and port.down:
             # on the wheels the angle of attack is that of the ground attitude
-            allowed = allowed._replace(theta_max=math.inf)
+            bounds = bounds._replace(theta_max=math.inf)
         # set after `retune`, because the flare requires a faster pitch reference than a climb
         vertical.pitch.ramp, vertical.pitch.pid.b = _RAMP, 1.0
-        target, state = self._pitch(state, now, rolls)
-        elevator, theta_cmd, pitch, cut = vertical.fly(state.vertical, motion, allowed, target)
+        target, state = self._pitch(state, port, rolls)
+        elevator, theta_cmd, pitch, cut = vertical.fly(state.vertical, motion, bounds, target)
         bank = self._bank(state, psi)
         aileron, phi_cmd, roll = self.roll.sample(
             state.lateral.roll, phi, p, bank, False, 0.0, False
         )
-        steering, state = self._yaw(state, now, rolls)
-        throttle, brakes = self._power(state, now.down)
+        steering, state = self._yaw(state, port, rolls)
+        throttle, brakes = self._power(state, port.down)
 
         outputs = [elevator, aileron, state.rudder, throttle, brakes, steering]
         if state.phase == APPROACH:
@@ -313,51 +313,51 @@ class FlareHold(GuidedHold):
         """Minimum rate of climb of the flare at a height, ft/s."""
         return min(-height / self._checked.tau, 0.0) - self._checked.sink
 
-    def _phase(self, state: FlareState, now: FlareInputs) -> FlareState:
+    def _phase(self, state: FlareState, port: FlareInputs) -> FlareState:
         """The state in the present or the next phase."""
-        c, before, phase = self._checked, state.phase, state.phase
-        height, hdot = now.height, now.hdot
-        across = abs(wrap(now.psi - c.course)) > _ACROSS
+        c, last_phase, phase = self._checked, state.phase, state.phase
+        height, hdot = port.height, port.hdot
+        off_course = abs(wrap(port.psi - c.course)) > _ACROSS
         low = hdot <= self._steepest(height) or height <= c.sink * c.tau
         if phase == APPROACH and low:
             phase = FLARE
-        if phase == FLARE and now.down:
+        if phase == FLARE and port.down:
             phase = ROLL_OUT
-        elif phase == ROLL_OUT and not now.down and height > _HOP:
+        elif phase == ROLL_OUT and not port.down and height > _HOP:
             phase = FLARE
-        floated, least = state.floated, height
-        if before == FLARE:
-            floated += self.clock.period * state.beam.closure
+        length, least = state.length, height
+        if last_phase == FLARE:
+            length += self.clock.period * state.beam.closure
             least = min(state.least, height)
         astray = (
-            (height < c.decide and (abs(state.beam.ft) > c.across_max or across))
-            or (before == APPROACH and low and hdot < -c.sink_max)
-            or floated > c.float_max
+            (height < c.decide and (abs(state.beam.ft) > c.across_max or off_course))
+            or (last_phase == APPROACH and low and hdot < -c.sink_max)
+            or length > c.float_max
             or height > least + _BALLOON
         )
-        if now.go_around or (phase < ROLL_OUT and astray):
+        if port.go_around or (phase < ROLL_OUT and astray):
             phase = GO_AROUND
-        if now.off:
-            phase, floated = APPROACH, 0.0
-        return state._replace(phase=phase, floated=floated, least=least)
+        if port.off:
+            phase, length = APPROACH, 0.0
+        return state._replace(phase=phase, length=length, least=least)
 
-    def _in_air(self, state: FlareState, now: FlareInputs) -> FlareState:
+    def _in_air(self, state: FlareState, port: FlareInputs) -> FlareState:
         """The state with the airspeed and the vertical gust of the sample."""
         T, first = self.clock.period, state.v == 0.0
-        v = max(now.vc * KNOT, SLOWEST)
-        gained = 0.0 if first else v - state.v
+        v = max(port.vc * KNOT, SLOWEST)
+        change = 0.0 if first else v - state.v
         acceleration = state.acceleration
-        acceleration += -math.expm1(-T / _TREND) * (gained / T - acceleration)
+        acceleration += -math.expm1(-T / _TREND) * (change / T - acceleration)
         gust = 0.0
-        if now.alpha != 0.0:
+        if port.alpha != 0.0:
             # rate of climb through the air less rate of climb
-            sink = v / DEGREES * (now.theta - now.alpha) - now.hdot
+            sink = v / DEGREES * (port.theta - port.alpha) - port.hdot
             gain = 1.0 if first else -math.expm1(-T / _GUST)
             gust = state.gust + gain * (sink - state.gust)
         integral = state.integral
         if state.phase != GO_AROUND:
             # at the same lift the angle of attack varies inversely with the square of the airspeed
-            integral -= 2.0 * DEGREES / _LIFT_SLOPE * gained / v
+            integral -= 2.0 * DEGREES / _LIFT_SLOPE * change / v
         return state._replace(
             v=v,
             acceleration=acceleration,
@@ -366,27 +366,27 @@ class FlareHold(GuidedHold):
             v_ref=state.v_ref if state.phase >= ROLL_OUT else v,
         )
 
-    def _taken_over(self, state: FlareState, now: FlareInputs) -> FlareState:
+    def _taken_over(self, state: FlareState, port: FlareInputs) -> FlareState:
         """The state that continues from the commands of the approach."""
-        elevator, aileron, rudder, throttle = now.approach
+        elevator, aileron, rudder, throttle = port.approach
         return state._replace(
             vertical=state.vertical._replace(pitch=ReferenceState(law=PID.holding(-elevator))),
             lateral=state.lateral._replace(roll=ReferenceState(law=PID.holding(aileron))),
-            lowest=now.theta,
+            lowest=port.theta,
             v_ref=state.v,
-            psi=now.psi,
+            psi=port.psi,
             rudder=rudder,
             throttle=throttle,
         )
 
-    def _begun(self, state: FlareState, now: FlareInputs) -> FlareState:
+    def _begun(self, state: FlareState, port: FlareInputs) -> FlareState:
         """The state of a phase that begins at the present pitch angle and rate of climb."""
         climbs = state.phase == GO_AROUND
         return state._replace(
-            integral=now.theta - DEGREES * (now.hdot + state.gust) / state.v,
-            hdot_cmd=now.hdot,
-            theta=now.theta,
-            lowest=now.theta if climbs else state.lowest,
+            integral=port.theta - DEGREES * (port.hdot + state.gust) / state.v,
+            hdot_cmd=port.hdot,
+            theta=port.theta,
+            lowest=port.theta if climbs else state.lowest,
         )
 
     def _bandwidth(self, v: float) -> float:
@@ -400,9 +400,9 @@ class FlareHold(GuidedHold):
         slower = min(v / max(KNOT * self._slowest, 1.0), 1.0)
         return min(_BANDWIDTH, _OF_PITCH * pitch.Kp / pitch.Kr * slower**2)
 
-    def _pitch(self, state: FlareState, now: FlareInputs, rolls: bool) -> tuple[float, FlareState]:
+    def _pitch(self, state: FlareState, port: FlareInputs, rolls: bool) -> tuple[float, FlareState]:
         """Pitch angle of the phase, and the next state."""
-        c, T, v, height, hdot = self._checked, self.clock.period, state.v, now.height, now.hdot
+        c, T, v, height, hdot = self._checked, self.clock.period, state.v, port.height, port.hdot
         climbs, steepest = state.phase == GO_AROUND, self._steepest(height)
         if climbs:
             # the rate of climb that regains the airspeed at the start of the go-around
@@ -440,7 +440,7 @@ class FlareHold(GuidedHold):
         change = bandwidth * T * (DEGREES / v * error + theta - command)
         if rolls:
             hdot_cmd = hdot
-            theta = max(state.theta - (_LOWER * T if now.down else 0.0), min(state.theta, 0.0))
+            theta = max(state.theta - (_LOWER * T if port.down else 0.0), min(state.theta, 0.0))
         return theta, state._replace(
             integral=state.integral + change,
             hdot_cmd=hdot_cmd,
@@ -459,7 +459,7 @@ class FlareHold(GuidedHold):
             return clip(_KEEP * wrap(state.psi - psi), -limit, limit)
         return 0.0
 
-    def _yaw(self, state: FlareState, now: FlareInputs, rolls: bool) -> tuple[float, FlareState]:
+    def _yaw(self, state: FlareState, port: FlareInputs, rolls: bool) -> tuple[float, FlareState]:
         """Steering of the nose wheel, and the state with the rudder and the heading's reference."""
         c, T, beam = self._checked, self.clock.period, state.beam
         target, psi_cmd, align, turn = c.course, state.psi, c.align, 0.0
@@ -468,16 +468,16 @@ class FlareHold(GuidedHold):
             target -= clip(DEGREES * _STEER * beam.ft / speed, -5.0, 5.0)
             # nose wheel and rudder become less effective as the aircraft slows down
             align *= state.v_ref / state.v
-        if rolls or now.height < _DECRAB * max(-now.hdot, c.sink):
+        if rolls or port.height < _DECRAB * max(-port.hdot, c.sink):
             psi_cmd += clip(wrap(target - psi_cmd), -_YAW * T, _YAW * T)
         psi_cmd, error = wrap(psi_cmd), 0.0
         if rolls or state.phase != GO_AROUND:
-            error = align * (wrap(now.psi - psi_cmd) + _YAW_DAMPING * now.r)
+            error = align * (wrap(port.psi - psi_cmd) + _YAW_DAMPING * port.r)
         if rolls:
             # without the approach's rudder: on the wheels its sideslip integral winds up
             off = wrap(c.course + DEGREES * math.atan(beam.aside / speed) - target)
             turn = clip(state.turn + _TURN * align * off * T, -1.0, 1.0)
-        command = error + (turn if rolls else now.approach[2])
+        command = error + (turn if rolls else port.approach[2])
         rudder = state.rudder + clip(command - state.rudder, -_RUDDER * T, _RUDDER * T)
         steering = clip(-command, -1.0, 1.0) if rolls else 0.0
         return steering, state._replace(rudder=clip(rudder, -1.0, 1.0), psi=psi_cmd, turn=turn)

@@ -39,9 +39,9 @@ NO_LIMITS = Allowed()
 class ProtectionState(NamedTuple):
     """State of a `Protection`."""
 
-    started: bool = False  # whether the filters have values
-    own: float = 0.0  # angle of attack from the aircraft's own motion, deg, and its rate, deg/s
-    own_rate: float = 0.0
+    has_values: bool = False  # whether the filters have values
+    calm: float = 0.0  # angle of attack from the aircraft's own motion, deg, and its rate, deg/s
+    calm_rate: float = 0.0
     gust: float = 0.0  # angle of attack from gusts, deg, filtered
     v: float = 0.0  # true airspeed, ft/s; 0 before the first sample
     acceleration: float = 0.0
@@ -52,7 +52,7 @@ class ProtectionState(NamedTuple):
     climb: float = 0.0  # rate of climb, filtered
     load: float = 1.0  # vertical load factor, filtered
     level: float = 0.0  # alpha above zero lift with the wings level, deg, filtered
-    stopped: float = 0.0  # fraction of the time with the elevator at its stop
+    stop: float = 0.0  # fraction of the time with the elevator at its stop
     reach: float = 90.0  # angle of attack that the elevator can hold, deg
 
 
@@ -170,18 +170,18 @@ class Protection:
         theta_max = theta + self.alpha_max - self._ahead(state)
         if not self.flies_envelope:
             return Allowed(theta_max), state
-        v, moving, used = state.v, vc > 0.0, self._used(state)
+        v, moving, share = state.v, vc > 0.0, self._used(state)
         vc_max = fastest_airspeed(self.limits.vmo, self.limits.mmo, h)
         fastest = max(vc_max * per_knot, 1.0)
         # without the bank's load factor: the bank is reduced before height is traded for airspeed
-        slowest = max(state.airspeed * used**0.5, 1.0)
+        slowest = max(state.airspeed * share**0.5, 1.0)
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
-        sustained = max(state.measured + spare, -self.limits.descent_max)
-        above = h_agl if h_agl > 0.0 else math.inf
-        floor = self.DECAY * (self.CLEARANCE - above)
-        trade = max(floor, min(self.DECAY * (self.TRADED - above), 0.0))
-        highest, boost, feed, limit = sustained, 0.0, 0.0, fastest
+        steady = max(state.measured + spare, -self.limits.descent_max)
+        height = h_agl if h_agl > 0.0 else math.inf
+        floor = self.DECAY * (self.CLEARANCE - height)
+        trade = max(floor, min(self.DECAY * (self.TRADED - height), 0.0))
+        highest, boost, feed, limit = steady, 0.0, 0.0, fastest
         if vc_cmd is not None:
             target = max(vc_cmd * per_knot, 1.0)
             inertial = per_knot * (vc if airspeed is None else airspeed)
@@ -194,23 +194,23 @@ class Protection:
             boost = self._boost(state, floor, fastest)
             if eases:
                 limit = min(target + self.DESCENT_YIELDS * per_knot, fastest)
-        lowest = eased = floor
+        lowest = gentle = floor
         if moving:
-            lowest, eased, feed = self._for_descent(state, floor, fastest, limit, stiffness, cut)
+            lowest, gentle, feed = self._for_descent(state, floor, fastest, limit, stiffness, cut)
         theta_min = -math.inf
         if hold_pitch:
             path = DEGREES / max(v, self.SLOWEST)
             theta_min = alpha + path * max(lowest, -v)
             if moving:
-                theta_max = min(theta_max, alpha + path * min(max(sustained, lowest, trade), v))
+                theta_max = min(theta_max, alpha + path * min(max(steady, lowest, trade), v))
         # here with the load factor of the turn, as it limits the commanded airspeed
-        turning = used / math.cos(RADIANS * clip(phi, -self.STEEPEST, self.STEEPEST))
+        turning = share / math.cos(RADIANS * clip(phi, -self.STEEPEST, self.STEEPEST))
         vc_min = state.airspeed * turning**0.5 / per_knot
         if moving:
             highest = max(highest, lowest, trade)
         else:
             highest, boost = math.inf, 0.0
-        return Allowed(theta_max, theta_min, highest, eased, boost, vc_min, vc_max, feed), state
+        return Allowed(theta_max, theta_min, highest, gentle, boost, vc_min, vc_max, feed), state
 
     def _filtered(
         self,
@@ -226,21 +226,21 @@ class Protection:
         """The state with the estimates of this sample."""
         slow, moving = self._slow_filter, state.v != 0.0
         level = (alpha - self.alpha_zero) * math.cos(RADIANS * phi)
-        own = alpha
+        calm = alpha
         if v > 0.0:
             # theta - gamma = alpha cos(phi): in a steep bank the pitch angle counts less
             path = DEGREES * hdot / max(state.airspeed or v, self.SLOWEST)
             upright = math.cos(RADIANS * phi)
-            own += upright * (theta - path - upright * alpha)
-        own_rate, gust, acceleration = 0.0, alpha - own, 0.0
+            calm += upright * (theta - path - upright * alpha)
+        calm_rate, gust, acceleration = 0.0, alpha - calm, 0.0
         airspeed, climb = v, hdot
         if moving:
             acceleration = state.acceleration
             acceleration += slow * ((v - state.v) / self.T - acceleration)
             airspeed = state.airspeed + slow * (v - state.airspeed)
-        if state.started:
-            own_rate = state.own_rate
-            own_rate += self._alpha_filter * ((own - state.own) / self.T - own_rate)
+        if state.has_values:
+            calm_rate = state.calm_rate
+            calm_rate += self._alpha_filter * ((calm - state.calm) / self.T - calm_rate)
             gust = state.gust + slow * (gust - state.gust)
             climb = state.climb + slow * (hdot - state.climb)
             level = state.level + slow * (level - state.level)
@@ -257,14 +257,14 @@ class Protection:
             measured += self._adapt * (excess - measured)
 
         load = clip(1.0 + (hdot - climb) / (self.SLOW * GRAVITY), *self.LOADS)
-        stopped = state.stopped + slow * ((1.0 if full_elevator else 0.0) - state.stopped)
+        stop = state.stop + slow * ((1.0 if full_elevator else 0.0) - state.stop)
         reach = min(state.reach + self.RELEARN * self.T, 90.0)
-        if full_elevator and stopped > self.STOPPED:
+        if full_elevator and stop > self.STOPPED:
             reach = min(reach, max(alpha, self.alpha_zero + 1.0))
         return ProtectionState(
-            started=True,
-            own=own,
-            own_rate=own_rate,
+            has_values=True,
+            calm=calm,
+            calm_rate=calm_rate,
             gust=gust,
             v=v,
             acceleration=acceleration,
@@ -275,13 +275,13 @@ class Protection:
             climb=climb,
             load=load,
             level=level,
-            stopped=stopped,
+            stop=stop,
             reach=reach,
         )
 
     def _ahead(self, state: ProtectionState) -> float:
         """The angle of attack predicted from the aircraft's motion, without short gusts, deg."""
-        return state.own + state.gust + self.LEAD * state.own_rate
+        return state.calm + state.gust + self.LEAD * state.calm_rate
 
     def _used(self, state: ProtectionState) -> float:
         """Lift of straight and level flight over the maximum allowed at this airspeed."""
@@ -310,12 +310,12 @@ class Protection:
         reserve = (v - yields) / (target - yields)
         climb = measured + clip(reserve, 0.0, 1.0) * (available - measured)
         # behind the power curve it requires throttle and a descent to recover the airspeed
-        behind = clip((self.DESCENT_REGAINS_BELOW - state.airspeed / slowest) / 0.1, 0.0, 1.0)
-        traded = available - stiffness * (yields - v)
-        highest = min(max(traded, -behind * self.limits.descent_max), climb + spare)
+        deficit = clip((self.DESCENT_REGAINS_BELOW - state.airspeed / slowest) / 0.1, 0.0, 1.0)
+        trade = available - stiffness * (yields - v)
+        highest = min(max(trade, -deficit * self.limits.descent_max), climb + spare)
         rate = state.acceleration + GRAVITY * state.climb / max(state.v, self.SLOWEST)
         missing = self.BOOST_ENDS_ABOVE * target - v - self.AHEAD * rate
-        boost = clip(behind * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
+        boost = clip(deficit * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
         return max(highest, -self.limits.descent_max), boost
 
     def _for_descent(
@@ -334,25 +334,25 @@ class Protection:
         """
         # at most 0: level flight at idle is enough to decelerate
         lowest = max(floor, min(state.measured + stiffness * (state.v - fastest), 0.0))
-        eased = max(lowest, min(state.measured + stiffness * (state.airspeed - limit), 0.0))
-        if eased <= lowest:
-            return lowest, eased, 0.0
+        gentle = max(lowest, min(state.measured + stiffness * (state.airspeed - limit), 0.0))
+        if gentle <= lowest:
+            return lowest, gentle, 0.0
         # reduce the throttle: only less thrust allows this descent at the airspeed
         travel = self.limits.climb_max + self.limits.descent_max
-        return lowest, eased, clip(self.MAKES_WAY * cut / travel, -1.0, 0.0)
+        return lowest, gentle, clip(self.MAKES_WAY * cut / travel, -1.0, 0.0)
 
     def _boost(self, state: ProtectionState, floor: float, fastest: float) -> float:
         """Throttle to add, or negative above the maximum airspeed."""
         # if the pitch limit prevents the end of a forbidden sink, full throttle must end it
         boost = max(state.boost, min((floor - state.climb) / self.CLIMB_KEPT, 1.0))
-        beyond = state.airspeed + self.AHEAD * state.acceleration - fastest
-        return boost - clip(beyond / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
+        excess = state.airspeed + self.AHEAD * state.acceleration - fastest
+        return boost - clip(excess / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
 
     def pitch_rate(self, vc: float, h: float) -> float:
         """Maximum rate of the pitch reference at an airspeed, from the load factor, deg/s."""
         return math.degrees(self.LOAD * GRAVITY) / max(true_airspeed(vc, h), self.SLOWEST)
 
-    def bank(self, allowed: Allowed, state: ProtectionState, command: float, phi: float) -> float:
+    def bank(self, bounds: Allowed, state: ProtectionState, command: float, phi: float) -> float:
         """The commanded bank in deg within its limit; call it after `sample`.
 
         The load factor of a level turn is limited by the airspeed, and by the margin of the angle
@@ -365,9 +365,9 @@ class Protection:
         if self.flies_envelope:
             load = min(load, self.LIFT / self._used(state))
         limit = DEGREES * math.acos(1.0 / max(load, 1.0))
-        reduced = limit * clip(allowed.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
-        limit = min(limit, max(reduced, self.GENTLE))
+        share = limit * clip(bounds.climb_max / self.CLIMB_KEPT, 0.0, 1.0)
+        limit = min(limit, max(share, self.GENTLE))
         # near the ground or at overspeed, level wings use all of the lift to end the sink
-        excess = clip(allowed.climb_min - state.climb, 0.0, self.SINK)
+        excess = clip(bounds.climb_min - state.climb, 0.0, self.SINK)
         limit *= 1.0 - excess / self.SINK
         return clip(command, -limit, limit)
