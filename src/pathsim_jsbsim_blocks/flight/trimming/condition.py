@@ -231,7 +231,7 @@ class TrimCondition:
         # loads JSBSim, which a condition does not need
         from .reset_file import reset_fields
 
-        fields = reset_fields(file, aircraft, root, create, changes.get("mode"))
+        fields = reset_fields(file, aircraft, root, create, changes.get("mode"), MODES)
         for name in {*fields, "mach", "gamma", "bank", "latitude", "longitude"} & {*changes} - {
             "mode",
             "setup",

@@ -9,7 +9,6 @@ from typing import Any
 
 from ..airframe import Airframe
 from ..script import reset_file
-from .condition import MODES
 
 # JSBSim's initial conditions, the place first
 _INITIAL = (
@@ -28,17 +27,18 @@ def reset_fields(
     root: str | None,
     create: Mapping[str, float] | str | None,
     mode: str | None,
+    trims: Mapping[str, int],
 ) -> dict[str, Any]:
     """Fields of a condition in a mode: in "none" the state itself, else the start of a trim.
 
-    Without a mode it is the trim that the file asks for, or "none".
+    Without a mode it is the one of ``trims``, JSBSim's numbers, that the file asks for, or "none".
     """
     start = reset_file(file, aircraft, _STEP, root)
     airframe = Airframe(aircraft, _STEP, root=root, create=create, start=start)
     fdm, terrain = airframe.fdm, "terrain-elevation-ft"
     if mode is None:
         requested = int(fdm.get_ic().trim_requested())
-        mode = next((name for name, trim in MODES.items() if trim == requested), "none")
+        mode = next((name for name, trim in trims.items() if trim == requested), "none")
     airframe.run_ic()
     ic = {name: fdm[f"ic/{name}"] for name in _INITIAL}
     if abs(ic[terrain]) <= _STILL:
