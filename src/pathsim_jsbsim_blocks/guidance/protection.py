@@ -206,10 +206,7 @@ class Protection:
         # here with the load factor of the turn, as it limits the commanded airspeed
         turning = share / math.cos(RADIANS * clip(phi, -self.STEEPEST, self.STEEPEST))
         vc_min = state.airspeed * turning**0.5 / per_knot
-        if moving:
-            highest = max(highest, lowest, trade)
-        else:
-            highest, boost = math.inf, 0.0
+        highest, boost = (max(highest, lowest, trade), boost) if moving else (math.inf, 0.0)
         return Allowed(theta_max, theta_min, highest, gentle, boost, vc_min, vc_max, feed), state
 
     def _filtered(
@@ -232,8 +229,7 @@ class Protection:
             path = DEGREES * hdot / max(state.airspeed or v, self.SLOWEST)
             upright = math.cos(RADIANS * phi)
             calm += upright * (theta - path - upright * alpha)
-        calm_rate, gust, acceleration = 0.0, alpha - calm, 0.0
-        airspeed, climb = v, hdot
+        calm_rate, gust, acceleration, airspeed, climb = 0.0, alpha - calm, 0.0, v, hdot
         if moving:
             acceleration = state.acceleration
             acceleration += slow * ((v - state.v) / self.T - acceleration)
