@@ -37,23 +37,76 @@ FAST = (
     *(f"pathview/test_{name}.py" for name in ("convert", "layout", "unreadable")),
     *(f"test_{name}.py" for name in ("budgets", "conventions", "promises", "sources", "units")),
 )
-# rooms in depth: all tests of these files are `deep`, beyond the selection of the README's command
+# rooms in depth: all tests of these files are `deep`, beyond the selection of the README's command,
+# which does not read them
 DEEP = (
+    "check_cases/test_f16.py",
     *(f"control/test_{name}.py" for name in ("disturbances", "holds", "schedules")),
     *(f"core/test_{name}.py" for name in ("attributes", "copies", "ends_of_steps", "running")),
     "design/",
-    *(f"flight/test_{name}.py" for name in ("engines", "fleet", "newton")),
+    "diagrams/test_result_lines.py",
+    *(
+        f"flight/test_{name}.py"
+        for name in (
+            "checkpoint",
+            "engines",
+            "fleet",
+            "flightgear",
+            "from_outside",
+            "integrators_and_planet",
+            "life",
+            "newton",
+            "property_ports",
+            "recording",
+            "reset",
+            "scripts",
+            "sealed",
+            "setup_acts",
+        )
+    ),
     *(f"guidance/test_{name}.py" for name in ("climbs", "landing", "navigation", "protection")),
     *(
         f"linear/test_{name}.py"
-        for name in ("diagrams", "governed_propellers", "margins", "model", "servos")
+        for name in (
+            "diagrams",
+            "governed_propellers",
+            "laws_at_limits",
+            "margins",
+            "model",
+            "servos",
+        )
     ),
     *(
         f"pathview/test_{name}.py"
-        for name in ("export", "hosted_editor", "needless_refusals", "strangers", "whole_scripts")
+        for name in (
+            "access",
+            "export",
+            "hosted_editor",
+            "needless_refusals",
+            "roundtrip",
+            "strangers",
+            "trust",
+            "whole_scripts",
+        )
     ),
-    *(f"studies/test_{name}.py" for name in ("aircraft_report", "branch", "performance", "resume")),
-    *(f"test_{name}.py" for name in ("gym", "script_commands")),
+    *(
+        f"studies/test_{name}.py"
+        for name in ("aircraft_report", "batch", "branch", "performance", "resume")
+    ),
+    *(
+        f"test_{name}.py"
+        for name in (
+            "bad_input",
+            "gym",
+            "host",
+            "import",
+            "plots",
+            "script_commands",
+            "shared_options",
+            "without_jsbsim",
+        )
+    ),
+    "wind/test_turbulence.py",
 )
 FAST_SECONDS = 2.0  # of processor time; the first test of a module may import it
 
@@ -71,6 +124,8 @@ def pytest_ignore_collect(collection_path, config):
     if collection_path.name.startswith("test_"):
         wanted = config.option.markexpr
         if wanted == "fast" and not is_fast(collection_path):
+            return True
+        if wanted == "not long and not deep" and is_deep(collection_path):
             return True
         if wanted.startswith("matrix") and "mark.matrix" not in collection_path.read_text("utf-8"):
             return True
