@@ -1,6 +1,7 @@
 """One row of the benchmarks' table: ours, a peer measured in the same run, their ratio."""
 
 import datetime
+import math
 import os
 import platform
 import statistics
@@ -37,7 +38,7 @@ HEADER = (
 
 
 def row(what, peer, ours, others, unit, most=None, package=None):
-    """Print a row.
+    """Print a row, with a star if the ratio is above its target.
 
     Parameters
     ----------
@@ -54,14 +55,15 @@ def row(what, peer, ours, others, unit, most=None, package=None):
     scale = {"s": 1.0, "ms": 1e3, "us": 1e6}[unit]
     ratio = statistics.median(a / b for a, b in zip(ours, others, strict=True))
     if isinstance(most, tuple):
-        target = f"{most[0]:.1f} to {most[1]:.1f}"
+        target, limit = f"{most[0]:.1f} to {most[1]:.1f}", most[1]
     else:
-        target = "" if most is None else f"<= {most:.2f}"
+        target, limit = ("", math.inf) if most is None else (f"<= {most:.2f}", most)
     if package is not None:
         release = f"{package} {version(package)}"
         peer = release if peer == package else f"{peer} ({release})"
+    star = " *" if ratio > limit else ""
     print(
         f"{what:<50} {peer:<44} {scale * statistics.median(ours):>7.2f} {unit:<2} "
-        f"{scale * statistics.median(others):>7.2f} {unit:<2} {ratio:>10.2f} {target:>10}",
+        f"{scale * statistics.median(others):>7.2f} {unit:<2} {ratio:>10.2f} {target:>10}{star}",
         flush=True,
     )
