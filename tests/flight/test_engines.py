@@ -20,6 +20,7 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.design import design_gains
 from pathsim_jsbsim_blocks.flight import Airframe, trim
+from pathsim_jsbsim_blocks.flight.settling import Settling
 from pathsim_jsbsim_blocks.flight.trimming.effects import responses
 
 SINGLE = {"altitude": 5000, "speed": 90}
@@ -484,3 +485,20 @@ def test_the_effects_of_commands_are_those_of_a_short_flight(aircraft, condition
         fdm[name] -= 0.1
         for _ in range(120):
             fdm.run()
+
+
+def test_a_propeller_that_stops_settles_the_second_time_as_the_first():
+    """The rate of a propeller at rest, 10^7 / s, says nothing about the restarted one."""
+    airframe = Airframe("c172p")
+    # full rich, the engine does not run there: JSBSim's start turns it, and it stops
+    trim(airframe, TrimCondition(altitude=25_000, speed=80, mode="none"))
+    steps, speeds = [], []
+    settling = Settling(airframe, steps.append)
+    for _ in range(2):
+        settling.start()
+        assert airframe.fdm["propulsion/engine/propeller-rpm"] > 2000.0
+        assert settling.settle()
+        speeds.append(airframe.fdm["propulsion/engine/propeller-rpm"])
+        assert sum(steps) < 1000
+        steps.clear()
+    assert speeds == pytest.approx([0.0, 0.0], abs=0.1)
