@@ -31,6 +31,7 @@ gust = Scope(labels=["downward velocity [ft/s]"])
 
 WIND = ["wind_north", "wind_east", "wind_down"]
 FLOWN = ["theta", "phi", "psi", "p", "q", "r", "h", "hdot", "vc", "elev_sat", "ail_sat", "thr_sat"]
+FLOWN += ["alpha", "vt", "nx", "nz"]
 COMMANDS = ["elevator", "aileron", "rudder", "throttle"]
 
 ports_of_held = Interface()
