@@ -166,6 +166,16 @@ def _state_of_the_tests(tmp_path_factory):
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _first_simulation():
+    """PathSim's first simulation in a process logs warnings from then on: no ``pytest.warns`` that
+    contains it would see one.
+    """
+    from pathsim import Simulation
+
+    Simulation(log=False)
+
+
 @pytest.fixture(autouse=True)
 def _figures_of_one_test():
     """No test sees the figures that another one left open."""

@@ -90,7 +90,7 @@ def test_pitch_hold_gives_way_before_the_stall(name, seconds):
     first(
         [
             ("c172p", {"speed": 70.0}, 100, 17.5, 16.1, 150.0),
-            ("737", {"altitude": 15_000.0, "speed": 200.0}, 200, 18.0, 13.2, 1100.0),
+            ("737", {"altitude": 15_000.0, "speed": 200.0}, 200, 18.0, 13.2, 1300.0),
             ("global5000", {"speed": 190.0}, 200, 18.0, 13.2, 1000.0),
         ]
     ),
@@ -636,19 +636,6 @@ def test_a_gust_does_not_reduce_the_climb(airspeed, share):
     assert found.climb_max == pytest.approx(min(traded, 20.0 * share + spare), abs=0.01)
     # the limits of the airspeed follow from the measured one
     assert found.vc_min == pytest.approx(40.0, abs=0.1)
-
-
-def test_throttle_is_added_with_a_lag_because_gusts_cost_airspeed_too():
-    # near the minimum of 60 KCAS 2 kt below the command add full throttle; 6 kt are gone at once
-    limits = EnvelopeLimits(alpha_max=12.0, vc_min=60.0, climb_max=20.0, descent_max=20.0)
-    guard, alpha = Protection(T, None, limits), 12.0 * (60.0 / (1.1 * 62.0)) ** 2
-    state, boosts, t = Protection.START, [], T * np.arange(1, 241)
-    signals = 4.0, alpha, 0.0, 0.0, 62.0, False, False, 62.0
-    _, state = guard.sample(state, *signals, airspeed=62.0)
-    for _ in t:
-        found, state = guard.sample(state, *signals, airspeed=56.0)
-        boosts.append(found.boost)
-    assert boosts == pytest.approx(1.0 - np.exp(-t / 2.0), abs=1e-6)
 
 
 def test_the_highest_airspeed_is_the_lower_of_two():

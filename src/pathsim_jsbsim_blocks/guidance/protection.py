@@ -46,7 +46,6 @@ class ProtectionState(NamedTuple):
     v: float = 0.0  # true airspeed, ft/s; 0 before the first sample
     acceleration: float = 0.0
     airspeed: float = 0.0  # v without gusts
-    boost: float = 0.0  # throttle to add for the commanded airspeed, filtered
     available: float = 0.0  # excess rate of climb at full throttle, ft/s
     measured: float = 0.0  # and at the present throttle
     climb: float = 0.0  # rate of climb, filtered
@@ -86,8 +85,7 @@ class Protection:
 
     LEAD = 0.4  # lead time of the angle of attack, s
     RATE = 0.15  # time constant of the filter of its rate, s
-    # time constant of the filters of acceleration, airspeed, lift and added throttle, s
-    SLOW = 2.0
+    SLOW = 2.0  # time constant of the filters of acceleration, airspeed and lift, s
     ADAPT = 3.0  # time constant towards the climb measured at full throttle, s
     DECAY = 0.1  # rate at which airspeed and height may approach their limits, 1/s
     MARGIN = 1.1  # minimum airspeed over that at which the elevator reached its stop
@@ -188,10 +186,7 @@ class Protection:
             highest, boost = self._for_airspeed(
                 state, inertial, target, per_knot, slowest, stiffness, spare
             )
-            if moving:
-                boost = state.boost + self._slow_filter * (boost - state.boost)
-                state = state._replace(boost=boost)
-            boost = self._boost(state, floor, fastest)
+            boost = self._boost(state, boost, floor, fastest)
             if eases:
                 limit = min(target + self.DESCENT_YIELDS * per_knot, fastest)
         lowest = gentle = floor
@@ -265,7 +260,6 @@ class Protection:
             v=v,
             acceleration=acceleration,
             airspeed=airspeed,
-            boost=state.boost,
             available=available,
             measured=measured,
             climb=climb,
@@ -337,10 +331,10 @@ class Protection:
         travel = self.limits.climb_max + self.limits.descent_max
         return lowest, gentle, clip(self.MAKES_WAY * cut / travel, -1.0, 0.0)
 
-    def _boost(self, state: ProtectionState, floor: float, fastest: float) -> float:
+    def _boost(self, state: ProtectionState, boost: float, floor: float, fastest: float) -> float:
         """Throttle to add, or negative above the maximum airspeed."""
         # if the pitch limit prevents the end of a forbidden sink, full throttle must end it
-        boost = max(state.boost, min((floor - state.climb) / self.CLIMB_KEPT, 1.0))
+        boost = max(boost, min((floor - state.climb) / self.CLIMB_KEPT, 1.0))
         excess = state.airspeed + self.AHEAD * state.acceleration - fastest
         return boost - clip(excess / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
 
