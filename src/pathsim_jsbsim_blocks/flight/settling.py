@@ -29,10 +29,8 @@ _LARGE = 0.02
 # fraction of a rate that remains after a step that shows a smaller one
 _DECAY = 0.7
 
-# smallest relative change of a speed that reveals its time constant, and largest up to which this
-# remains one to begin with
+# smallest relative change of a speed that reveals its time constant
 _CLEAR = 1e-7
-_FAR = 0.9
 
 # steps in a row without a change of speed that are a steady state, and maximum steps
 _QUIET = 3
@@ -77,9 +75,8 @@ class Settling:
         self._speeds = airframe.reader_of(speeds)
         self._pitches = airframe.reader_of(pitches)
         self._all = airframe.reader_of(speeds + pitches + airframe.of_engines("n1"))
-        # 1 / time constant of each propeller, 1/s, at the last clear change, and its speed there
+        # 1 / time constant of each propeller, 1/s, at the last clear change
         self.rates = [0.0] * len(speeds)
-        self._speeds_of_rates = [0.0] * len(speeds)
         self._engines = [int(name.partition("[")[2].partition("]")[0]) for name in speeds]
         # whether an engine may have a torque limiter, and whether it has opened and closed
         self._has_limiter, self._limited = airframe.has_kind("turboprop"), False
@@ -91,6 +88,8 @@ class Settling:
         airframe = self._airframe
         if not airframe.not_running():
             return
+        # a propeller at rest has rates of 10^7 / s, whose steps are too short to show any other
+        self.rates = [0.0] * len(self.rates)
         with airframe.governors_off():
             airframe.start_engines()
         pistons = [e.number for e in airframe.engine_list if e.type == "piston"]
@@ -151,7 +150,6 @@ class Settling:
     def _settle_at_fixed_pitch(self, tolerance: float) -> None:
         """Steps as long as the time constant of the fastest propeller, governors off."""
         speeds, dt, quiet = self._speeds(), _FIRST, 0
-        self._forget(speeds)
         slopes: list[tuple[float, float]] = []  # speeds before a step, and their rates in it
         reserve = max(self._remaining - _LIMITER, 0) if self._has_limiter else 0
         with self._airframe.governors_off():
@@ -182,16 +180,6 @@ class Settling:
                 # rate slowly; beyond a kink of its tables it may seem unstable
                 if rate > 0.0:
                     self.rates[i] = max(rate, _DECAY * self.rates[i])
-                    self._speeds_of_rates[i] = y
-
-    def _forget(self, speeds: Sequence[float]) -> None:
-        """Forget the rates found at far other speeds, that of a propeller at rest for one.
-
-        Its rate is 10^7 times higher: steps that short would show no change, and last for ever.
-        """
-        for i, (x, y) in enumerate(zip(speeds, self._speeds_of_rates, strict=True)):
-            if abs(x - y) > _FAR * max(abs(x), abs(y)):
-                self.rates[i] = 0.0
 
     @property
     def per_step(self) -> float:
