@@ -15,7 +15,6 @@ import generate
 import screenshots
 
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
-from pathsim_jsbsim_blocks.cli import main as command
 from pathsim_jsbsim_blocks.pathview import export_script
 
 
@@ -30,10 +29,7 @@ def write_model(name, check=60.0):
 def main(names):
     for name in names:
         write_model(name)
-        with tempfile.TemporaryDirectory() as folder:
-            figure = Path(folder, f"{name}.png")
-            command(["run", name, "--save", str(figure)])
-            generate.shrink(figure, generate.DOCS / "pictures" / figure.name)
+        generate.picture(name)
     screenshots.main(names)
     generate.write_pages()
 
