@@ -6,11 +6,11 @@
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
-# [JSBSim](https://github.com/JSBSim-Team/jsbsim) is a flight dynamics model in C++, with six degrees of freedom. It knows no aircraft: all
-# data, from lift tables to landing gear, are read from XML files. FlightGear flies on it, and research simulators do.
+# [JSBSim](https://github.com/JSBSim-Team/jsbsim) is a flight dynamics model in C++, with six degrees of freedom. It contains no aircraft: all
+# data, from lift tables to landing gear, are read from XML files. FlightGear and many research simulators use it.
 #
-# [PathSim](https://github.com/pathsim/pathsim) simulates block diagrams. Beside a script that calls JSBSim in a loop it adds your own
-# controllers, sensors and continuous dynamics, each at its own rate, scopes, and an editor.
+# [PathSim](https://github.com/pathsim/pathsim) simulates block diagrams. To a script that calls JSBSim in a loop it adds your own
+# controllers, sensors and continuous dynamics, each at its own rate, and scopes and an editor.
 #
 # ## The equations of motion
 #
@@ -60,8 +60,8 @@ total = fdm["forces/fbx-total-lbs"] + fdm["forces/fbx-weight-lbs"]
 print(f"sum    {total:9.2f}")
 
 # %% [markdown]
-# **Predict.** The nose is 1.3 deg above the horizon, the aircraft weighs 1880 lbf. How large is the component of its weight along x, and which sign
-# has it? The next cell has the answer.
+# **Predict.** The nose is 1.3 deg above the horizon, and the aircraft weighs 1880 lbf. How large is the component of its weight along x, and what
+# is its sign? The next cell has the answer.
 
 # %%
 theta = np.radians(fdm["attitude/theta-deg"])
@@ -129,7 +129,7 @@ print(
 assert abs(np.degrees(mine[2][1] - theta)) < 0.05
 
 # %% [markdown]
-# What differs is the integration: JSBSim uses other formulas, a rotating Earth that is not flat, and the order in which it updates its parts.
+# The small difference is JSBSim's integration: its formulas, its round and rotating Earth, and the order in which it updates its parts.
 #
 # **Exercise.** How large is the lift coefficient in trim? Use the weight, the wing area `metrics/Sw-sqft` and the dynamic pressure
 # `aero/qbar-psf` of a new aircraft `trimmed()`.
@@ -184,7 +184,7 @@ assert steps == 4801
 # %% [markdown]
 # The wrapper flies its first step at t = 0, so the aircraft is always one step ahead of the diagram: what a scope records at t is the
 # state at t + T, and a controller acts on a measurement from the future. `Aircraft` shows its trimmed state at t = 0, reads its
-# inputs at $t_k$, holds them over the period, and shows the state at $t_{k+1}$ when the diagram is there:
+# inputs at $t_k$, holds them over the period, and shows the state at $t_{k+1}$ when the diagram reaches that time:
 
 # %%
 from pathsim_jsbsim_blocks import Aircraft

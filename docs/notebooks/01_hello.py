@@ -119,7 +119,7 @@ sim = Simulation(
 
 # %% [markdown]
 # **Predict.** JSBSim alone has flown 120 steps. After 1 s of the diagram, by how many feet do the two altitudes differ? The next cell
-# flies the second (`log=False` leaves out PathSim's progress lines).
+# flies this second (`log=False` leaves out PathSim's progress lines).
 
 # %%
 sim.run(1.0)
@@ -139,7 +139,7 @@ for (name, value), block in zip(
     assert value == block
 
 # %% [markdown]
-# **Answer.** By none: not a bit differs.
+# **Answer.** By nothing: the numbers are equal, bit for bit.
 #
 # The block also keeps time with the diagram under any solver, refuses names that do not exist, and prevents models from
 # opening sockets, writing files and printing.
@@ -172,8 +172,8 @@ for name in found:
     print(f"{name:40} {plane.fdm[name]:12.4f}" if readable else name)
 
 # %% [markdown]
-# [The property tree](../concepts/properties.md) explains the names, JSBSim's
-# [reference of properties](https://jsbsim-team.github.io/jsbsim-reference-manual/user/concepts/properties/) how models use them;
+# [The property tree](../concepts/properties.md) explains the names, and JSBSim's
+# [reference of properties](https://jsbsim-team.github.io/jsbsim-reference-manual/user/concepts/properties/) explains how models use them.
 # `pathsim-jsbsim properties c172p elevator` searches from the command line, and `pathsim-jsbsim help Aircraft` prints the manual page of the block.
 #
 # ## The shorter way

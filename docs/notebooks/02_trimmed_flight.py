@@ -92,8 +92,8 @@ ground_track(
 )
 
 # %% [markdown]
-# The ailerons balance the propeller's torque (176 ft lbf); the bank of 0.05 deg balances the side force of
-# the rudder (1.5 lbf). [Trimmed flight](../concepts/trimmed-flight.md) lists which
+# The ailerons balance the propeller's torque (176 ft lbf); the bank of 0.05 deg balances the rudder's side force
+# (1.5 lbf). [Trimmed flight](../concepts/trimmed-flight.md) lists which
 # quantities are zero.
 #
 # The same block again, at another airspeed: a parameter changed in flight takes effect at the next reset, as the warning states. The
@@ -178,7 +178,7 @@ for t in (5.0, 30.0):
     print(f"{t:2.0f} s: bank {bank[abs(time - t).argmin()]:.1f} deg")
 
 # %% [markdown]
-# **Answer.** As it was at 5 s, and a little steeper: the ailerons set a roll rate, not a bank angle, and nothing levels the wings.
+# **Answer.** As it was at 5 s, and a little steeper: the ailerons set a roll rate, not a bank angle, and no control levels the wings.
 #
 # `time_histories` has drawn the figures so far. This is the code of one, for figures of your own: a panel for each unit above a shared
 # time axis, a second axis for the command, and a heading that continues below 0.

@@ -96,7 +96,7 @@ _, (x, v) = scope.read()
 print(f"first swing with zeta = {2 * zeta:g}: {x.min():.4f}")
 
 # %% [markdown]
-# **Answer.** Smaller than half: the damping ratio is in the exponent, and the swing also lasts longer.
+# **Answer.** Smaller than half: the damping ratio is in the exponent, and half a period also lasts longer.
 #
 # ## A step response
 #

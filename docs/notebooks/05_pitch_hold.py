@@ -138,8 +138,8 @@ for gain in (0.01, -0.01):
 #
 # ## Why 1/120 s
 #
-# The published flight takes steps of 1/60 s, JSBSim's own are 1/120 s. JSBSim integrates the rotation by Euler's method, whose
-# error is proportional to the step. The angle of attack in a doublet, against 960 Hz:
+# The published flight takes steps of 1/60 s; JSBSim's own are 1/120 s. JSBSim integrates the rotation by Euler's method, whose
+# error is proportional to the step. The angle of attack in a doublet, compared with that at 960 Hz:
 
 # %%
 from pathsim_jsbsim_blocks import DoubletSource

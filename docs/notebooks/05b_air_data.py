@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 5b. Air data
 #
-# The standard atmosphere, and the indication of an airspeed indicator in it.
+# The standard atmosphere, and what an airspeed indicator shows in it.
 #
 # *Aim:* to convert between the airspeeds, and to know when they differ. *Assumed:* the gas law. *Time:* 25 minutes.
 #

@@ -55,7 +55,7 @@ figure.colorbar(points, label="throttle [-]")
 plt.show()
 
 # %% [markdown]
-# **Answer.** Near the lowest: drag grows with the airspeed, and the thrust of these engines hardly changes.
+# **Answer.** Near the lowest, where the drag has its minimum: faster, drag grows, and the thrust of these engines hardly changes.
 #
 # Points without a trim have a reason:
 
@@ -85,6 +85,6 @@ assert abs(answer - full.gamma) < 0.1
 #
 # - The envelope of steady flight is a map of trims: 364 of 680 in the study.
 # - Maximum thrust limits it above, idle drag below, and the angle of attack at low speed.
-# - Every point outside has the limit that it exceeds.
+# - Every point outside has a reason: the limit that it exceeds.
 #
 # Next: [climbs](10_climbs.ipynb).

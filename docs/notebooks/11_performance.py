@@ -8,7 +8,7 @@
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
-# At constant airspeed $V$ the excess power raises the weight $W$; with the throttle closed the glide
+# At constant true airspeed $V$ the excess power raises the weight $W$; with the throttle closed the glide
 # ratio is $L/D$:
 #
 # $$\dot h = V \sin\gamma = \frac{(T - D)\,V}{W}, \qquad -\frac{1}{\tan\gamma} = \frac{L}{D}$$
@@ -88,5 +88,5 @@ assert abs(answer / ceiling - 1) < 0.1
 # - The best values are flown, and each has the reason for its limit.
 # - The charts show the model, not the aircraft: this engine is too strong.
 #
-# [Performance charts](../performance.md) defines each value. This is the end of the course; from here on
-# [a controller](../tutorial.md#6-a-controller-of-your-own) and [a study](../studies.md#a-study-of-your-own-aircraft) of your own.
+# [Performance charts](../performance.md) defines each value. This is the end of the course. Next, write
+# [a controller](../tutorial.md#6-a-controller-of-your-own) or [a study](../studies.md#a-study-of-your-own-aircraft) of your own.

@@ -109,7 +109,7 @@ _NUMBERS = {
     "wind-east": "ft/s, towards the east",
     "latitude": "deg, north positive",
     "longitude": "deg, east positive",
-    "gear": "0 up to 1 down",
+    "gear": "0 (up) to 1 (down)",
     "flaps": "0 to 1",
 }
 _TEXTS = {

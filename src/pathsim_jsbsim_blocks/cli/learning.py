@@ -19,7 +19,7 @@ from .plain import plain_text
     "copy the chapters of the course, and open them in JupyterLab",
     option(
         "folder",
-        "default %(default)s; a file that is there stays",
+        "default %(default)s; existing files are kept",
         nargs="?",
         type=Path,
         default=Path("jsbsim-course"),

@@ -122,7 +122,7 @@ def _warnings_last() -> Iterator[None]:
     AIRCRAFT,
     number(
         "--steady",
-        "fly from the trim (default 10 s), controls fixed, and say how far it is from it then",
+        "fly from the trim with controls fixed (default 10 s), and print the departure from it",
         metavar="SECONDS",
         nargs="?",
         const=10.0,
@@ -222,9 +222,9 @@ def _print_margins(model: LinearModel) -> None:
         "--altitude", "ft, one or several (default: of the level flight that is found)", nargs="+"
     ),
     number("--speed", "KCAS, one or several (default likewise)", nargs="+"),
-    number("--gear", "0 up to 1 down (default: up where it retracts)"),
+    number("--gear", "0 (up) to 1 (down) (default: up where it retracts)"),
     number("--flaps", "0 to 1"),
-    option("--method", "of the linear model, as of modes", default="flown"),
+    option("--method", "method of the linear model, as for modes", default="flown"),
     file("--save", "write the gains, as gains= takes them", "FILE.json"),
     ROOT,
     SET,

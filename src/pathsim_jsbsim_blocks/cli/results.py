@@ -29,13 +29,13 @@ from .saving import check_file, saving_figures
 
 @command(
     "run a study: its table, its figure",
-    option("name", "which one; pathsim-jsbsim list has them all"),
+    option("name", "a study; pathsim-jsbsim list names them"),
     FIGURE,
     file("--csv", "write the table as CSV"),
     JOBS,
     RESUME,
     switch("--wide", "the larger grid, if there is one"),
-    option("--aircraft", "another one, if the study takes it, as the options below"),
+    option("--aircraft", "another aircraft, if the study takes one; likewise the options below"),
     number("--altitude", "ft"),
     option("--speeds", "range of airspeeds, KCAS", metavar="FIRST:LAST:STEP"),
     number("--speed", "one airspeed, KCAS"),
@@ -161,7 +161,7 @@ def check(args: argparse.Namespace) -> int:
 
 @command(
     "the variables of a DAVE-ML model, and whether it passes its own check data",
-    option("file", "the model, or the name of one of the package"),
+    option("file", "a file, or the name of a model of the package"),
 )
 def daveml(args: argparse.Namespace) -> int:
     from ..daveml import DaveModel

@@ -72,7 +72,7 @@ def list_(args: argparse.Namespace) -> None:
     number("--duration", "simulated time to run for", metavar="SECONDS"),
     FIGURE,
     file("--csv", "write all recorded signals, also of a run that crashes or is interrupted"),
-    number("--csv-rate", "at most so many rows per second in the CSV", metavar="HZ"),
+    number("--csv-rate", "most rows per second in the CSV", metavar="HZ"),
     repeatable(
         "--track",
         "write the flights of all aircraft: .html (a report), .kml (Google Earth), .acmi "
