@@ -2,7 +2,7 @@
 
 A Boeing 737 at 10,000 ft and 280 KCAS, gear up, controls fixed. Five of them meet an upward
 1-cosine gust at 1 s, with gradient distances from 30 to 350 ft and the design gust velocity of each
-length: 37 to 56 ft/s.
+length: 37 to 56 ft/s true.
 
 Expected: nz rises to 1.82, 1.96, 1.99, 1.99 and 1.94: 150 to 200 ft are the critical lengths. In
 short gusts the design velocity is lower, in long ones the aircraft rises with the air. After the

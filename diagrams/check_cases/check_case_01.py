@@ -1,6 +1,6 @@
 """NASA's check case 1: a sphere falls without drag.
 
-It tests gravity and translation. The sphere is at rest to the rotating Earth, 30,000 ft
+It tests gravity and translation. The sphere is at rest relative to the rotating Earth, 30,000 ft
 above the equator, and falls for 30 s without drag.
 
 Expected: within the band of NASA's simulators in every quantity; 0.0003 ft in altitude from

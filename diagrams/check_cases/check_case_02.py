@@ -1,7 +1,7 @@
 """NASA's check case 2: a brick tumbles without damping.
 
-It tests rotation. The brick starts at rest to the Earth, 30,000 ft above the equator,
-with inertial rates of 10, 20 and 30 deg/s about its three axes, and tumbles for 30 s.
+It tests rotation. The brick starts at rest relative to the Earth, 30,000 ft above the equator, with
+inertial rates of 10, 20 and 30 deg/s about its three axes, and tumbles for 30 s.
 
 Expected: within the band of NASA's simulators in every quantity; 0.0003 deg in attitude from
 simulator 05. With JSBSim's default integrators, Euler for rotation, it is 2.5 deg.

@@ -4,7 +4,7 @@ It tests gravity and drag. The sphere is at rest 30,000 ft above a round Earth, 
 10, 20 and 30 deg/s about its three axes, and falls for 30 s. Gravity is that of a point mass.
 
 Expected: within the band of NASA's simulators in every quantity; 0.003 ft in altitude from
-simulator 05, whose density differs by 4e-6 of itself.
+simulator 05, whose density differs by 4e-6.
 
 Source: NASA/TM-2015-218675, atmospheric check case 4.
 """

@@ -1,4 +1,4 @@
-"""Aileron turn: a fixed aileron command is a roll rate, not a roll angle.
+"""Aileron turn: a fixed aileron command sets a roll rate, not a roll angle.
 
 A Cessna 172 at 5000 ft and 90 KCAS, heading 90 deg. The aileron command is **set** to -0.15 (left)
 for 5 s and then to 0, with the FDM block, which writes any property unchanged.
@@ -7,8 +7,8 @@ Expected: the roll angle reaches -57 deg in 5 s. With the aileron back at 0 it d
 it eases to -43 deg at 15 s and grows again to -60 deg at 28 s. In 30 s the aircraft turns left
 through 286 deg and loses 808 ft.
 
-Source: notebook 2 of the published JSBSim/PathSim notebooks, where this is titled a 10-degree turn;
-it is not one, because no controller holds the bank; the diagram ``heading_hold`` has one.
+Source: notebook 2 of the published JSBSim/PathSim notebooks, where this is titled a 10-degree turn.
+It is not one, because no controller holds the bank; the diagram ``heading_hold`` has one.
 """
 
 from pathsim import Connection, Simulation
