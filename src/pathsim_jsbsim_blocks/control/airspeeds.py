@@ -39,8 +39,8 @@ class ComplementaryAirspeed:
     with the inertial acceleration a along the path through the air, whose angle is gamma_a, as
     calibrated airspeed. A gust changes V but not a. In level flight in steady wind the result is V;
     in a climb at 10 ft/s it is 0.15 % of V higher, because V / V_t changes with altitude. A wind
-    that changes for good costs airspeed, so the output stays within limits about V; the state does
-    not.
+    that changes for good costs airspeed, so a loop follows it `within` limits about V. A law of
+    high gain follows it without them: a gust that exceeds the limits would pass.
     """
 
     START = 0.0  # kt; 0 before the first sample
@@ -63,7 +63,7 @@ class ComplementaryAirspeed:
         phi: float,
         vt: float,
     ) -> tuple[float, float]:
-        """Airspeed in kt and next state, from kt, g, deg and, for ``vt``, ft/s.
+        """Airspeed in kt, not yet `within` its limits, and next state; from kt, g, deg, and ft/s.
 
         If any signal but ``beta`` is 0 (not connected), it is the measured airspeed.
         """
@@ -79,5 +79,9 @@ class ComplementaryAirspeed:
         rise = math.sin(theta) * forward
         rise -= math.cos(theta) * (math.sin(phi) * sideways + math.cos(phi) * down)
         inertial = GRAVITY * (nx * forward - nz * down - rise) * vc / vt
-        output = min(max(airspeed, vc - self.BELOW), vc + self.ABOVE)
-        return output, airspeed + self.T * (inertial + (vc - airspeed) / self.TIME)
+        return airspeed, airspeed + self.T * (inertial + (vc - airspeed) / self.TIME)
+
+    @classmethod
+    def within(cls, airspeed: float, vc: float) -> float:
+        """The airspeed within its limits about the measured one."""
+        return min(max(airspeed, vc - cls.BELOW), vc + cls.ABOVE)

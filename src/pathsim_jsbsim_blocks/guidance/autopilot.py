@@ -265,9 +265,10 @@ class Autopilot(GuidedHold):
         captured = mode == state.climb.mode and state.climb.captured
         on_pitch = mode == 2.0 and not captured and not pitch_off
 
-        airspeed, inertial = self.airspeed.sample(
+        inertial, next_airspeed = self.airspeed.sample(
             state.airspeed, vc, port.nx, port.nz, alpha, port.beta, port.theta, port.phi, port.vt
         )
+        airspeed = self.airspeed.within(inertial, vc)
         # a held pitch angle has no commanded rate of climb
         measures = pitching or pitch_off
         feed = port.hdot if measures or not state.speed.law.has_slope else state.rate
@@ -285,7 +286,7 @@ class Autopilot(GuidedHold):
             phi=port.phi,
             h_agl=port.h_agl,
             eases=mode == 0.0 or captured,
-            airspeed=airspeed,
+            airspeed=inertial,
         )
         throttle, vc_cmd, rate, speed, v_pitch, lever = self._airspeed(
             state, port, engaged, bounds, on_pitch, airspeed, feed
@@ -310,7 +311,7 @@ class Autopilot(GuidedHold):
             climb=climb,
             v_pitch=v_pitch,
             lever=lever,
-            airspeed=inertial,
+            airspeed=next_airspeed,
             rate=feed if measures else self.speed.follow(feed, hdot_cmd),
         )
         return [*outputs, float(climb.captured)], state

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from .._core.units import GRAVITY
-from ..control.airspeeds import fastest_airspeed, true_airspeed
+from ..control.airspeeds import ComplementaryAirspeed, fastest_airspeed, true_airspeed
 from ..control.gains import EnvelopeLimits
 from ..control.loops import DEGREES, RADIANS
 from ..control.pid import clip
@@ -44,7 +44,8 @@ class ProtectionState(NamedTuple):
     calm_rate: float = 0.0
     gust: float = 0.0  # angle of attack from gusts, deg, filtered
     v: float = 0.0  # true airspeed, ft/s; 0 before the first sample
-    acceleration: float = 0.0
+    inertial: float = 0.0  # the same from the aircraft's motion, without gusts
+    acceleration: float = 0.0  # its rate, filtered
     airspeed: float = 0.0  # v without gusts
     available: float = 0.0  # excess rate of climb at full throttle, ft/s
     measured: float = 0.0  # and at the present throttle
@@ -159,12 +160,13 @@ class Protection:
         are the maximum attainable. ``vc_cmd`` is the airspeed that has priority over a climb;
         ``hold_pitch`` limits the pitch reference to the path angles of the allowed rates of climb;
         ``eases`` reduces a descent to keep the airspeed; ``cut`` is the last commanded rate of
-        climb less the allowed one. ``airspeed`` is that without gusts, kt; only the priority of
-        ``vc_cmd`` depends on it, and it is ``vc`` by default. A ``vc`` or ``h_agl`` of 0 (not
-        connected) sets no limit.
+        climb less the allowed one. ``airspeed`` is that without gusts, kt, and ``vc`` by default:
+        the energy and the priority of ``vc_cmd`` follow it, the limits of the airspeed ``vc``. A
+        ``vc`` or ``h_agl`` of 0 (not connected) sets no limit.
         """
         per_knot, stops = true_airspeed(1.0, h), (full_elevator, full_throttle)
-        state = self._filtered(state, theta, alpha, vc * per_knot, hdot, phi, *stops)
+        inertial = per_knot * (vc if airspeed is None else airspeed)
+        state = self._filtered(state, theta, alpha, vc * per_knot, inertial, hdot, phi, *stops)
         theta_max = theta + self.alpha_max - self._ahead(state)
         if not self.flies_envelope:
             return Allowed(theta_max), state
@@ -182,9 +184,9 @@ class Protection:
         highest, boost, feed, limit = steady, 0.0, 0.0, fastest
         if vc_cmd is not None:
             target = max(vc_cmd * per_knot, 1.0)
-            inertial = per_knot * (vc if airspeed is None else airspeed)
+            within = per_knot * ComplementaryAirspeed.within(inertial / per_knot, vc)
             highest, boost = self._for_airspeed(
-                state, inertial, target, per_knot, slowest, stiffness, spare
+                state, within, target, per_knot, slowest, stiffness, spare
             )
             boost = self._boost(state, boost, floor, fastest)
             if eases:
@@ -210,6 +212,7 @@ class Protection:
         theta: float,
         alpha: float,
         v: float,
+        inertial: float,
         hdot: float,
         phi: float,
         full_elevator: bool,
@@ -227,7 +230,7 @@ class Protection:
         calm_rate, gust, acceleration, airspeed, climb = 0.0, alpha - calm, 0.0, v, hdot
         if moving:
             acceleration = state.acceleration
-            acceleration += slow * ((v - state.v) / self.T - acceleration)
+            acceleration += slow * ((inertial - state.inertial) / self.T - acceleration)
             airspeed = state.airspeed + slow * (v - state.airspeed)
         if state.has_values:
             calm_rate = state.calm_rate
@@ -258,6 +261,7 @@ class Protection:
             calm_rate=calm_rate,
             gust=gust,
             v=v,
+            inertial=inertial,
             acceleration=acceleration,
             airspeed=airspeed,
             available=available,
@@ -291,8 +295,9 @@ class Protection:
     ) -> tuple[float, float]:
         """Maximum rate of climb, and throttle to add, for an airspeed that has priority.
 
-        ``v`` is the airspeed without gusts, ft/s: as only errors below the ``target`` count, gusts
-        would cost height.
+        ``v`` is the airspeed without gusts, within its limits, ft/s: as only errors below the
+        ``target`` count, gusts would cost height. The throttle to add, per knot some ten times that
+        of the loop, follows it without limits: gusts beyond them would move it from stop to stop.
         """
         available, measured = state.available, state.measured
         yields = target - self.CLIMB_YIELDS * per_knot
@@ -304,7 +309,7 @@ class Protection:
         trade = available - stiffness * (yields - v)
         highest = min(max(trade, -deficit * self.limits.descent_max), climb + spare)
         rate = state.acceleration + GRAVITY * state.climb / max(state.v, self.SLOWEST)
-        missing = self.BOOST_ENDS_ABOVE * target - v - self.AHEAD * rate
+        missing = self.BOOST_ENDS_ABOVE * target - state.inertial - self.AHEAD * rate
         boost = clip(deficit * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
         return max(highest, -self.limits.descent_max), boost
 

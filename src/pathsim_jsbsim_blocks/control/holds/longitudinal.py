@@ -189,7 +189,8 @@ class AirspeedHold(Hold):
     def law(self, u: list[float], state: AirspeedState) -> tuple[list[float], AirspeedState]:
         vc, hdot, vc_ref, off, thr_sat, hdot_cmd, *motion = u[:13]
         self.retune(vc)
-        airspeed, inertial = self.airspeed.sample(state.airspeed, vc, *motion)
+        inertial, next_airspeed = self.airspeed.sample(state.airspeed, vc, *motion)
+        airspeed = self.airspeed.within(inertial, vc)
         climb = hdot if hdot_cmd == 0.0 or not state.speed.law.has_slope else state.climb
         target, keeps = self.speed.loop.towards(
             state.speed, airspeed, self.wanted("vc_ref", vc_ref, vc)
@@ -199,4 +200,4 @@ class AirspeedHold(Hold):
         )
         if hdot_cmd != 0.0:
             climb = self.speed.follow(climb, hdot_cmd)
-        return [throttle, vc_cmd], AirspeedState(speed, inertial, climb)
+        return [throttle, vc_cmd], AirspeedState(speed, next_airspeed, climb)
