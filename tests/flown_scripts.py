@@ -42,22 +42,19 @@ def bundled_reset_files():
     return [(p.parent.name, p.stem) for p in files if b"<initialize" in p.read_bytes()]
 
 
-def recorded(fdm, seconds, again=False):
-    """Rows of the block's outputs at each of its steps; ``again`` after a reset.
+def recorded(fdm, seconds, reset=False):
+    """Rows of the block's outputs at each of its steps, after a reset if so.
 
     A FlightError ends them.
     """
     scope = Scope()
     wires = [Connection(fdm[i], scope[i]) for i in range(len(OUTPUTS))]
     sim = Simulation([fdm, scope], wires, dt=fdm.T, log=False)
-    flights = []
-    for reset in (False, True)[: 1 + again]:
-        with warnings.catch_warnings(), contextlib.suppress(FlightError):
-            # some scripts end, crash or fail to trim; tests of warnings are apart
-            warnings.simplefilter("ignore")
-            sim.run(round(seconds / fdm.T) * fdm.T, reset=reset)
-        flights.append(scope.read()[1].T.copy())
-    return flights if again else flights[0]
+    with warnings.catch_warnings(), contextlib.suppress(FlightError):
+        # some scripts end, crash or fail to trim; tests of warnings are apart
+        warnings.simplefilter("ignore")
+        sim.run(round(seconds / fdm.T) * fdm.T, reset=reset)
+    return scope.read()[1].T.copy()
 
 
 def scripted(script, **parameters):

@@ -53,7 +53,8 @@ def test_a_script_flies_bit_for_bit_as_in_jsbsim_and_again_after_a_reset(
     monkeypatch.chdir(tmp_path)
     seconds = 1.0 if name == "Submarine_Scout_1" else 4.0
     rows = flown_script(f"scripts/{name}.xml", OUTPUTS, seconds)
-    first, again = recorded(scripted(f"scripts/{name}.xml"), seconds, again=True)
+    plane = scripted(f"scripts/{name}.xml")
+    first, again = recorded(plane, seconds), recorded(plane, seconds, reset=True)
     np.testing.assert_array_equal(first[: len(rows)], rows)
     np.testing.assert_array_equal(again, first)
     assert list(tmp_path.iterdir()) == []

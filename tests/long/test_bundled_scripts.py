@@ -47,7 +47,7 @@ def test_a_script_flies_bit_for_bit_as_in_jsbsim(name, tmp_path, monkeypatch):
         # the block ends a flight that is not finite
         assert name == "ball_chute"
         assert not np.isfinite(rows[len(flown)]).all()
-    again = recorded(plane, min(seconds, 5.0), again=True)[1]
+    again = recorded(plane, min(seconds, 5.0), reset=True)
     np.testing.assert_array_equal(again, flown[: len(again)])
     assert list(tmp_path.iterdir()) == []
 

@@ -183,7 +183,9 @@ class Trimmer:
         """Raise TrimError if no search can succeed."""
         airframe, fdm = self.airframe, self.airframe.fdm
         height = fdm[property_of("h_agl")]
-        if height < 0.0 and condition.mode != "ground":
+        # a reset file of an aircraft at rest may have its reference point in the ground
+        lowest = -fdm["metrics/cbarw-ft"] if condition.mode == "none" else 0.0
+        if height < lowest and condition.mode != "ground":
             why = f"it starts {-height:.6g} ft below the terrain, whose elevation is "
             why += f"{fdm['ic/terrain-elevation-ft']:.6g} ft"
             raise failure(airframe, condition, "ground", why)
