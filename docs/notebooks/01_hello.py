@@ -75,8 +75,8 @@ for name, value in alone.items():
 #
 # ![Aircraft and Scope](figures/aircraft.svg)
 #
-# `Aircraft` loads and trims the model when it is built. Its inputs are *increments* on the trimmed commands. They
-# are unconnected, so the controls stay at their trim settings.
+# `Aircraft` loads and trims the model when it is built; `solver="jsbsim"` selects JSBSim's own trim. Its inputs are *increments* on
+# the trimmed commands. They are unconnected, so the controls stay at their trim settings.
 
 # %%
 from pathsim_jsbsim_blocks import Aircraft

@@ -14,7 +14,8 @@
 #
 # Halving the speed requires four times the lift coefficient, and so a larger angle of attack, until the wing stalls.
 #
-# **Predict.** From 300 to 150 KCAS, does alpha grow to four times its value? The next cell has the answer.
+# **Predict.** From 300 to 150 KCAS, does alpha grow to four times its value? The next cell has the answer (`hint=False` omits the search for
+# the nearest speed that trims).
 
 # %%
 import pandas as pd
@@ -74,7 +75,7 @@ fails.groupby("reason").KCAS.agg(["count", "min", "max"])
 
 # %% [markdown]
 # The ends of the table are the limits of level flight: below $V_{min}$ the lift is less than the weight, above $V_{max}$ the
-# thrust is less than the drag. To the 10 knots of the table:
+# thrust is less than the drag. Within the 10 knots of the table:
 
 # %%
 print(

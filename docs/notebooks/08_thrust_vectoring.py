@@ -8,7 +8,7 @@
 #
 # *Run this chapter:* in a checkout, `pip install ".[course]"`, then `pathsim-jsbsim course`.
 #
-# **Predict.** Should the engines point up or down against the body axis, and by how much? The next cells have the answer.
+# **Predict.** Should the engines point up or down from the body axis, and by how much? The next cells have the answer.
 
 # %%
 from pathsim_jsbsim_blocks import studies
