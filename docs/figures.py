@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.patches import FancyBboxPatch
 
+from pathsim_jsbsim_blocks.axes import body_to_ned
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
 
 FOLDER = Path(__file__).resolve().parent / "concepts" / "figures"
@@ -24,6 +25,7 @@ SAME = {"svg.hashsalt": "pathsim-jsbsim-blocks"}  # the same file for the same f
 # readable on white and on black
 BODY, AIR, EARTH, FORCE = "#3484e0", "#e07b39", "#3f9b54", "#e0524a"
 STABILITY, INERTIAL, GRID = "#a06cd5", "#8a94a0", "#8a94a0"
+WHOLE = {"shrinkA": 0, "shrinkB": 0}  # of an arrow from one point to the other
 
 
 def outline(angle=0.0, scale=1.0):
@@ -58,32 +60,24 @@ def turned(x, y, angle):
     return c * np.asarray(x) - s * np.asarray(y), s * np.asarray(x) + c * np.asarray(y)
 
 
+def head(ax, begin, end, colour, **style):
+    """A line with a head at its end."""
+    props = {"arrowstyle": "-|>", "color": colour, **style}
+    ax.annotate("", xy=end, xytext=begin, arrowprops=props)
+
+
+def label(ax, x, y, text, colour, **style):
+    """A text in its colour, with its middle at a place."""
+    ax.text(x, y, text, **{"color": colour, "ha": "center", "va": "center", **style})
+
+
 def arrow(ax, angle, length, colour, text, start=(0.0, 0.0), dashed=False, **offset):
     """An arrow from ``start`` at ``angle`` (deg, from the right, counter-clockwise), labelled."""
     dx, dy = turned([length], [0.0], angle)
     end = start[0] + dx[0], start[1] + dy[0]
-    ax.annotate(
-        "",
-        xy=end,
-        xytext=start,
-        arrowprops={
-            "arrowstyle": "-|>",
-            "color": colour,
-            "lw": 1.8,
-            "ls": "--" if dashed else "-",
-            "shrinkA": 0,
-            "shrinkB": 0,
-        },
-    )
-    label = start[0] + 1.09 * dx[0], start[1] + 1.09 * dy[0]
-    ax.text(
-        label[0] + offset.get("dx", 0),
-        label[1] + offset.get("dy", 0),
-        text,
-        color=colour,
-        ha="center",
-        va="center",
-    )
+    head(ax, start, end, colour, lw=1.8, ls="--" if dashed else "-", **WHOLE)
+    x, y = start[0] + 1.09 * dx[0], start[1] + 1.09 * dy[0]
+    label(ax, x + offset.get("dx", 0), y + offset.get("dy", 0), text, colour)
 
 
 def arc(ax, begin, end, radius, text, colour):
@@ -91,14 +85,8 @@ def arc(ax, begin, end, radius, text, colour):
     angles = np.radians(np.linspace(begin, end, 40))
     ax.plot(radius * np.cos(angles), radius * np.sin(angles), color=colour, lw=1.2)
     middle = np.radians((begin + end) / 2)
-    ax.text(
-        (radius + 0.11) * np.cos(middle),
-        (radius + 0.11) * np.sin(middle),
-        text,
-        color=colour,
-        ha="center",
-        va="center",
-    )
+    far = radius + 0.11
+    label(ax, far * np.cos(middle), far * np.sin(middle), text, colour)
 
 
 def canvas(count, width=8.0, height=3.6):
@@ -115,13 +103,13 @@ def ink():
     return plt.rcParams["text.color"]
 
 
-def aircraft(ax, shape):
-    ax.fill(*shape, facecolor="#9aa5b1", alpha=0.35, edgecolor=ink(), lw=0.8)
+def aircraft(ax, shape, alpha=0.35):
+    ax.fill(*shape, facecolor="#9aa5b1", alpha=alpha, edgecolor=ink(), lw=0.8)
 
 
 def titled(ax, text, x, y):
     """A title inside the panel: panels of unequal height would have theirs at unequal heights."""
-    ax.text(x, y, text, color=ink(), ha="center", va="bottom", fontsize=11)
+    label(ax, x, y, text, ink(), va="bottom", fontsize=11)
 
 
 INCH = 2 / 326  # of a Cessna 172, in units of the outline
@@ -139,7 +127,7 @@ def structural():
         for inches in (0, 100, 200):
             x = station(inches)
             ax.plot([x, x], [low, high], color=GRID, lw=0.8, ls="--", zorder=0)
-            ax.text(x, low - 0.06, f"FS {inches}", color=GRID, ha="center", va="top")
+            label(ax, x, low - 0.06, f"FS {inches}", GRID, va="top")
     for inches in (0, 50):
         z = WATERLINE + inches * INCH
         side.plot([-1.2, 1.35], [z, z], color=GRID, lw=0.8, ls="--", zorder=0)
@@ -245,18 +233,6 @@ def euler():
     return figure
 
 
-def to_ned(phi, theta, psi):
-    """The rotation from body axes to NED, for angles in deg."""
-    (cp, ct, cs), (sp, st, ss) = (f(np.radians([phi, theta, psi])) for f in (np.cos, np.sin))
-    return np.array(
-        [
-            [ct * cs, sp * st * cs - cp * ss, cp * st * cs + sp * ss],
-            [ct * ss, sp * st * ss + cp * cs, cp * st * ss - sp * cs],
-            [-st, sp * ct, cp * ct],
-        ]
-    )
-
-
 # of the aircraft in one view: x forward, y right, z down
 PARTS = {
     "fin": [(-0.72, 0, -0.08), (-0.9, 0, -0.42), (-1.03, 0, -0.42), (-0.98, 0, 0)],
@@ -297,15 +273,10 @@ def in_one_view(ax, phi, theta, psi):
             [np.cos(look) * np.sin(down), np.sin(look) * np.sin(down), -np.cos(down)],
         ]
     )
-    body, heading = to_ned(phi, theta, psi), to_ned(0, 0, psi)
+    body = np.array(body_to_ned(*np.eye(3), phi, theta, psi))
+    heading = np.array(body_to_ned(*np.eye(3), 0, 0, psi))
     for part in PARTS.values():
-        ax.fill(
-            *(screen @ body @ np.transpose(part)),
-            facecolor="#9aa5b1",
-            alpha=0.4,
-            edgecolor=ink(),
-            lw=0.8,
-        )
+        aircraft(ax, screen @ body @ np.transpose(part), alpha=0.4)
 
     def direction(axis, length, colour, text, dashed=False, **offset):
         x, y = screen @ axis
@@ -330,20 +301,13 @@ def in_one_view(ax, phi, theta, psi):
         )
         x, y = screen @ (radius * points / np.sin(between))
         ax.plot(x, y, color=FORCE, lw=1.6)
-        ax.text(
-            1.1 * x[20] + dx, 1.1 * y[20], text, color=FORCE, ha="center", va="center", fontsize=12
-        )
+        label(ax, 1.1 * x[20] + dx, 1.1 * y[20], text, FORCE, fontsize=12)
 
     angle(np.eye(3)[0], heading[:, 0], 1.35, r"$\psi$")
     angle(heading[:, 0], body[:, 0], 1.5, r"$\theta$")
     angle(heading[:, 1], body[:, 1], 1.3, r"$\phi$", dx=-0.16)
     ax.set(xlim=(-1.6, 2.1), ylim=(-1.35, 1.25))
-    titled(
-        ax,
-        "in one view; dashed: the axes after the heading",
-        0.25,
-        1.15,
-    )
+    titled(ax, "in one view; dashed: the axes after the heading", 0.25, 1.15)
 
 
 def globe(x, y, z, turn=25.0, tilt=22.0):
@@ -365,7 +329,7 @@ def local(lat, lon):
     """Unit vectors up, north and east at a latitude and longitude in rad, in ECEF."""
     up = np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
     north = np.array([-np.sin(lat) * np.cos(lon), -np.sin(lat) * np.sin(lon), np.cos(lat)])
-    return up, north, np.array([-np.sin(lon), np.cos(lon), 0.0])
+    return up, north, np.array([-np.sin(lon), np.cos(lon), 0.0 * lon])
 
 
 def earth():
@@ -381,9 +345,8 @@ def earth():
     ax.fill(np.cos(turn), np.sin(turn), facecolor="#9aa5b1", alpha=0.12)
     ax.plot(np.cos(turn), np.sin(turn), color=GRID, lw=1.0)
     for lat in range(-60, 90, 30):
-        r = np.cos(np.radians(lat)) * np.ones_like(turn)
-        z = np.sin(np.radians(lat)) * np.ones_like(turn)
-        curve(ax, r * np.cos(turn), r * np.sin(turn), z, color=GRID, lw=1.0 if lat == 0 else 0.4)
+        circle = local(np.radians(lat) * np.ones_like(turn), turn)[0]
+        curve(ax, *circle, color=GRID, lw=1.0 if lat == 0 else 0.4)
     zero = np.zeros(3)
     sidereal = -30  # deg: the Earth has turned by this from x_I, eastwards
     for angle, colour, names, dashed in (
@@ -397,62 +360,32 @@ def earth():
     spin = np.radians(np.linspace(-60, 200, 60))
     u, v, _ = globe(0.2 * np.cos(spin), 0.2 * np.sin(spin), 1.28 * np.ones_like(spin))
     ax.plot(u, v, color=FORCE, lw=1.6)
-    ax.annotate(
-        "",
-        xy=(u[-1], v[-1]),
-        xytext=(u[-4], v[-4]),
-        arrowprops={"arrowstyle": "-|>", "color": FORCE},
-    )
-    ax.text(-0.24, 1.25, r"$\omega_E$", color=FORCE, ha="right", va="center", fontsize=12)
+    head(ax, (u[-4], v[-4]), (u[-1], v[-1]), FORCE)
+    label(ax, -0.24, 1.25, r"$\omega_E$", FORCE, ha="right", fontsize=12)
     turned_by = np.radians(np.linspace(sidereal, 0, 40))
-    curve(
-        ax,
-        1.15 * np.cos(turned_by),
-        1.15 * np.sin(turned_by),
-        0 * turned_by,
-        color=INERTIAL,
-        lw=1.4,
-    )
+    x, y, z = local(0 * turned_by, turned_by)[0]
+    curve(ax, 1.15 * x, 1.15 * y, z, color=INERTIAL, lw=1.4)
     u, v, _ = globe(1.3 * np.cos(turned_by[20]), 1.3 * np.sin(turned_by[20]), 0)
-    ax.text(u, v - 0.02, r"$\omega_E t$", color=INERTIAL, ha="center", va="center")
+    label(ax, u, v - 0.02, r"$\omega_E t$", INERTIAL)
     lat, lon = np.radians(42), np.radians(50)
     up, north, east = local(lat, lon)
     for line in (up, [np.cos(lon), np.sin(lon), 0]):
         u, v, _ = globe(*(np.outer(line, [0, 1])))
         ax.plot(u, v, color=AIR, lw=1.2, ls="--")
     t = np.linspace(0, 1, 40)
-    curve(ax, np.cos(lon * t), np.sin(lon * t), 0 * t, color=AIR, lw=2.4)
-    curve(
-        ax,
-        np.cos(lat * t) * np.cos(lon),
-        np.cos(lat * t) * np.sin(lon),
-        np.sin(lat * t),
-        color=AIR,
-        lw=2.4,
-    )
+    curve(ax, *local(0 * t, lon * t)[0], color=AIR, lw=2.4)
+    curve(ax, *local(lat * t, lon)[0], color=AIR, lw=2.4)
     for x, y, z, text in (
         (1.1 * np.cos(lon / 2), 1.1 * np.sin(lon / 2), -0.07, "longitude"),
-        (
-            1.0 * np.cos(lat / 2) * np.cos(lon),
-            np.cos(lat / 2) * np.sin(lon),
-            np.sin(lat / 2),
-            "latitude",
-        ),
+        (*local(lat / 2, lon)[0], "latitude"),
     ):
         u, v, _ = globe(x, y, z)
         right = text == "latitude"
-        ax.text(u + 0.05 * right, v, text, color=AIR, ha="left" if right else "center", va="center")
+        label(ax, u + 0.05 * right, v, text, AIR, ha="left" if right else "center")
     corners = [up + 0.36 * (i * north + j * east) for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
     u, v, _ = np.transpose([globe(*corner) for corner in corners])
     ax.fill(u, v, facecolor=EARTH, alpha=0.25, edgecolor=EARTH)
-    ax.text(
-        u[0] + 0.05,
-        v[0] + 0.1,
-        "tangent plane,\nfixed to a place",
-        color=EARTH,
-        ha="left",
-        va="center",
-    )
+    label(ax, u[0] + 0.05, v[0] + 0.1, "tangent plane,\nfixed to a place", EARTH, ha="left")
     ax.plot(*globe(*up)[:2], "o", color=EARTH)
     up, north, east = local(np.radians(52), np.radians(-22))
     place = 1.12 * up
@@ -461,14 +394,8 @@ def earth():
     ray(place, -0.35 * up, STABILITY, "D", dy=-0.02)
     u, v, _ = globe(*place)
     ax.plot(u, v, "o", color=STABILITY)
-    ax.text(
-        u - 0.12,
-        v + 0.1,
-        "local vertical frame,\nmoves with the aircraft",
-        color=STABILITY,
-        ha="right",
-        va="bottom",
-    )
+    text = "local vertical frame,\nmoves with the aircraft"
+    label(ax, u - 0.12, v + 0.1, text, STABILITY, ha="right", va="bottom")
     ax.set(xlim=(-1.75, 1.75), ylim=(-1.2, 1.6))
     return figure
 
@@ -516,19 +443,14 @@ def flow():
         frame = FancyBboxPatch(corner, width, height, "round,pad=0.02,rounding_size=0.08")
         frame.set(facecolor=(*to_rgb(colours[kind]), 0.14), edgecolor=colours[kind], linewidth=1.4)
         ax.add_patch(frame)
-        ax.text(x, y + 0.2, title, color=ink(), ha="center", va="center", weight="bold")
-        ax.text(x, y - 0.14, text, color=ink(), ha="center", va="center", fontsize=9)
+        label(ax, x, y + 0.2, title, ink(), weight="bold")
+        label(ax, x, y - 0.14, text, ink(), fontsize=9)
 
     def wire(*points, text="", at=(0, 0)):
         x, y = np.transpose(points)
         ax.plot(x[:-1], y[:-1], color=GRID, lw=1.6)
-        ax.annotate(
-            "",
-            xy=points[-1],
-            xytext=points[-2],
-            arrowprops={"arrowstyle": "-|>", "color": GRID, "lw": 1.6, "shrinkA": 0, "shrinkB": 0},
-        )
-        ax.text(*at, text, color=ink(), ha="center", va="center", fontsize=9)
+        head(ax, *points[-2:], GRID, lw=1.6, **WHOLE)
+        label(ax, *at, text, ink(), fontsize=9)
 
     diagram = FancyBboxPatch((2.15, -1.72), 4.9, 3.6, "round,pad=0.02,rounding_size=0.1")
     diagram.set(facecolor="none", edgecolor=INERTIAL, linewidth=1.2, linestyle="--")
@@ -536,12 +458,8 @@ def flow():
     ax.text(2.3, 1.68, "the diagram: a Simulation of PathSim", color=ink(), va="center")
     ax.plot([2.4, 6.8], [1.05, 1.05], color=AIR, lw=1.4)
     for x in np.linspace(2.4, 6.8, 23):
-        ax.plot(
-            [x, x],
-            [1.05, 1.05 + (0.16 if round((x - 2.4) / 0.2) % 4 == 0 else 0.08)],
-            color=AIR,
-            lw=1.4,
-        )
+        tick = 0.16 if round((x - 2.4) / 0.2) % 4 == 0 else 0.08
+        ax.plot([x, x], [1.05, 1.05 + tick], color=AIR, lw=1.4)
     ax.text(2.4, 1.35, r"PathSim's clock: $t_k = k\,T$", color=AIR, va="center", fontsize=9)
     for x in (3.5, 5.9):
         wire((x, 1.02), (x, 0.5))
@@ -556,14 +474,8 @@ def flow():
     wire((0.85, 0.65), (0.85, 0.35))
     wire((1.72, -0.1), (2.48, -0.1))
     wire((4.52, 0.02), (4.98, 0.02), text=r"$\theta, q$", at=(4.75, 0.17))
-    wire(
-        (6.4, 0.47),
-        (6.4, 0.78),
-        (3.0, 0.78),
-        (3.0, 0.47),
-        text=r"elevator increment",
-        at=(4.7, 0.66),
-    )
+    back = (6.4, 0.47), (6.4, 0.78), (3.0, 0.78), (3.0, 0.47)
+    wire(*back, text="elevator increment", at=(4.7, 0.66))
     wire((3.9, -0.43), (3.9, -1.2), (4.98, -1.2), text="any signals", at=(4.4, -1.06))
     wire((6.82, -1.2), (7.53, -1.2))
     wire((3.1, -0.43), (3.1, -2.2), (7.53, -2.2), text="position, attitude", at=(5.0, -2.08))
@@ -601,7 +513,7 @@ def surface(ax, hinge, length, angle, text):
     dx, dz = turned([length], [0.0], angle)
     ax.plot([hinge[0], hinge[0] + dx[0]], [hinge[1], hinge[1] + dz[0]], color=FORCE, lw=4)
     where = hinge[0], hinge[1] + (0.38 if 0 < angle < 180 else -0.38)
-    ax.text(*where, text, color=FORCE, ha="center", va="center")
+    label(ax, *where, text, FORCE)
 
 
 def moment(ax, centre, radius, begin, end):
@@ -609,8 +521,7 @@ def moment(ax, centre, radius, begin, end):
     angles = np.radians(np.linspace(begin, end, 40))
     x, y = centre[0] + radius * np.cos(angles), centre[1] + radius * np.sin(angles)
     ax.plot(x, y, color=BODY, lw=1.8)
-    arrow_head = {"arrowstyle": "-|>", "color": BODY, "lw": 1.8}
-    ax.annotate("", xy=(x[-1], y[-1]), xytext=(x[-3], y[-3]), arrowprops=arrow_head)
+    head(ax, (x[-3], y[-3]), (x[-1], y[-1]), BODY, lw=1.8)
 
 
 def banked():
@@ -625,16 +536,8 @@ def banked():
     ax.plot([-1.4, 1.4], [0, 0], color=GRID, lw=0.8, ls=":")
     arrow(ax, 90 - phi, lift, FORCE, "lift L = n W", dx=0.3)
     arrow(ax, 90, weight, FORCE, r"$L\,\cos\phi_W$", dashed=True, dx=-0.3)
-    arrow(
-        ax,
-        0,
-        lift * np.sin(np.radians(phi)),
-        FORCE,
-        r"$L\,\sin\phi_W$",
-        dashed=True,
-        dx=0.16,
-        dy=0.12,
-    )
+    aside = lift * np.sin(np.radians(phi))
+    arrow(ax, 0, aside, FORCE, r"$L\,\sin\phi_W$", dashed=True, dx=0.16, dy=0.12)
     arrow(ax, -90, weight, FORCE, "weight W")
     arc(ax, 90 - phi, 90, 0.75, r"$\phi_W$", ink())
     # the tail of an arrow: the velocity leads away from the viewer
@@ -712,15 +615,9 @@ def points():
             ax.plot(x, ordinate, marker, color=colours[kind], markersize=7, label=kind)
 
     def name(ax, text, x, y, below=False):
-        ax.annotate(
-            text,
-            (x, y),
-            (0, -9 if below else 8),
-            textcoords="offset points",
-            ha="center",
-            va="top" if below else "bottom",
-            fontsize=9,
-        )
+        offset, side = (-9, "top") if below else (8, "bottom")
+        place = {"textcoords": "offset points", "ha": "center", "va": side}
+        ax.annotate(text, (x, y), (0, offset), fontsize=9, **place)
 
     for seat, (x, y, _) in zip(SEATS, found["point masses"], strict=True):
         name(cabin, seat, x, y, y < 0)
@@ -750,11 +647,8 @@ def main():
         for style, suffix in (("default", ""), ("dark_background", "-dark")):
             with plt.style.context((style, SAME)):
                 figure = draw()
-                figure.savefig(
-                    FOLDER / f"{draw.__name__}{suffix}.svg",
-                    transparent=True,
-                    metadata={"Date": None},
-                )
+                file = FOLDER / f"{draw.__name__}{suffix}.svg"
+                figure.savefig(file, transparent=True, metadata={"Date": None})
                 plt.close(figure)
 
 

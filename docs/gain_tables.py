@@ -5,13 +5,10 @@ and three airspeeds, where it trims there, in
 `src/pathsim_jsbsim_blocks/control/tables/AIRCRAFT.json`. The hand-tuned tables keep their names:
 the designed ones of these aircraft are called `AIRCRAFT-designed`.
 
-With ``--limits`` the limits of the envelope are measured anew, and the tables keep their gains.
-With ``--yaw`` only the gains of the rudder are designed anew, for aircraft with several engines;
-with ``--speed`` only the airspeed loops.
-With ``--fly`` the steps are flown with the existing tables, for
-the tables of `docs/evidence`; with ``--off`` at other airspeeds, altitudes and fuel;
-with ``--cruise`` those of airliners at cruise altitudes; with ``--slow`` slowly near the ground;
-with ``--airspeed`` large steps of the airspeed; with ``--rough`` in turbulence and in a shear.
+With ``--fly`` the steps are flown with the existing tables, for the tables of `docs/evidence`;
+with ``--off`` at other airspeeds, altitudes and fuel; with ``--cruise`` those of airliners at
+cruise altitudes; with ``--slow`` slowly near the ground; with ``--airspeed`` large steps of the
+airspeed; with ``--rough`` in turbulence and in a shear.
 """
 
 import argparse
@@ -32,16 +29,6 @@ from pathsim_jsbsim_blocks.design import (
     design_gains,
     design_schedule,
 )
-from pathsim_jsbsim_blocks.design.designed import plant_model
-from pathsim_jsbsim_blocks.design.envelope import envelope
-from pathsim_jsbsim_blocks.design.outer import (
-    design_rudder,
-    design_speed,
-    design_yaw,
-    speed_report,
-    with_altitude,
-)
-from pathsim_jsbsim_blocks.design.plant import Plant
 from pathsim_jsbsim_blocks.design.requirements import (
     ALTITUDE_KEPT,
     ALTITUDE_KEPT_OFF,
@@ -50,9 +37,7 @@ from pathsim_jsbsim_blocks.design.requirements import (
     MAX_SIDESLIP,
     STEP_REQUIREMENTS,
 )
-from pathsim_jsbsim_blocks.design.search import PITCH, ROLL, Neighbours, closed
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
-from pathsim_jsbsim_blocks.design.turbulence import in_turbulence
 from pathsim_jsbsim_blocks.errors import BlocksError, DesignError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names, level_flight, trim
 
@@ -138,6 +123,8 @@ def designed(name):
             else:
                 designs += found.designs
                 break
+    fastest = dict(zip(("vmo", "mmo"), FASTEST.get(name, ()), strict=False))
+    designs = [replace(d, envelope=replace(d.envelope, **fastest)) for d in designs]
     designs.sort(key=lambda design: (design.condition.altitude, design.condition.speed))
     nominal = [
         (d.condition.altitude, d.condition.speed) == (condition.altitude, condition.speed)
@@ -149,144 +136,6 @@ def designed(name):
 def table_of(name):
     """File of the designed table of an aircraft."""
     return TABLES / f"{name}{'-designed' if name in TUNED_AT else ''}.json"
-
-
-def limits(names):
-    """Measure the limits of the designed tables anew, and write the published ones into all."""
-    for path in sorted(TABLES.glob("*.json")):
-        document = json.loads(path.read_text(encoding="utf-8"))
-        name = document["aircraft"]
-        if names and name not in names:
-            continue
-        for point in document["points"]:
-            limits = point["gains"]["envelope"]
-            if path == table_of(name):
-                limits.update(measured(name, point))
-            limits.update(zip(("vmo", "mmo"), FASTEST.get(name, ()), strict=False))
-        rewrite(path, document)
-
-
-def rewrite(path, document):
-    """Write a table's document, a line for each point."""
-    points = document.pop("points")
-    head = json.dumps(document)[:-1] + ', "points": ['
-    rows = ",\n".join(json.dumps(point) for point in points)
-    path.write_text(f"{head}\n{rows}\n]}}\n", encoding="utf-8")
-    print(path.stem, flush=True)
-
-
-def yaw(names):
-    """Design the rudder's gains of the designed tables anew; the others stay."""
-    for name in names or aircraft_names():
-        path = table_of(name)
-        if not path.exists() or (not names and Airframe(name).engines < 2):
-            continue
-        document = json.loads(path.read_text(encoding="utf-8"))
-        there, rows = read_gains(path).points, document["points"]
-        middle = there[document["nominal"]]
-        order = sorted(
-            range(len(there)),
-            key=lambda i: (
-                abs(math.log(there[i].speed / middle.speed)),
-                abs(there[i].altitude - middle.altitude),
-            ),
-        )
-        known = {}
-        for i in order:
-            beside = sorted(known, key=lambda j: math.dist(place(there[j]), place(there[i])))[:2]
-            near = [replace(there[j].gains, yaw=known[j]) for j in beside]
-            found = rudder_of(name, there[i], near)
-            if found is None:
-                continue
-            known[i], report = found
-            rows[i]["gains"]["yaw"] = rounded(known[i])
-            if report:
-                rows[i]["report"]["yaw"] = {
-                    k: x for k, x in rounded(report).items() if x != math.inf
-                }
-        document["yaw"] = f"designed again at {len(known)} of {len(rows)} points, the rest kept"
-        rewrite(path, document)
-
-
-def speed(names):
-    """Design the airspeed loops of the designed tables anew; all but Kc is that of the table."""
-    for name in names or aircraft_names():
-        path = table_of(name)
-        if not path.exists():
-            continue
-        document = json.loads(path.read_text(encoding="utf-8"))
-        gains, report = speed_of(name)
-        for point in document["points"]:
-            point["gains"]["speed"] |= rounded(replace(gains, Kc=point["gains"]["speed"]["Kc"]))
-        row = document["points"][document["nominal"]]["report"]
-        row["speed"] = {k: x for k, x in rounded(report).items() if x != math.inf}
-        if report.relaxed:
-            row["speed"]["relaxed"] = report.relaxed
-        rewrite(path, document)
-
-
-def speed_of(name):
-    """The airspeed loop at the nominal point of a table and its report, within the other loops."""
-    schedule, condition, create, _ = nominal(name)
-    gains = schedule.points[schedule.nominal].gains
-    plane = Aircraft(name, condition=condition, create=create)
-    model = plant_model(plane)
-    rough = in_turbulence(Plant.of(model), model, condition.altitude)
-    plant = closed(rough, PITCH, gains.pitch, "theta_cmd")
-    room = -plane.trim.throttle[0], 1.0 - plane.trim.throttle[0]
-    loop = design_speed(plant, condition.speed, room, gains.speed.Kc, altitude=gains.altitude)
-    size = STEP_REQUIREMENTS["speed"].size
-    down = no_throttle(
-        lambda at: Aircraft(name, condition=at, create=create), condition, plane.trim
-    )
-    step = -size if down else size
-    return loop, speed_report(with_altitude(plant, gains.altitude), loop, room, step)
-
-
-def place(point):
-    """Logarithm of the airspeed, and the altitude in 100,000 ft: neighbours are near in both."""
-    return math.log(point.speed), point.altitude / 1e5
-
-
-def rounded(numbers):
-    """The numbers of gains or of a report, with the digits of a table."""
-    values = {k: x for k, x in vars(numbers).items() if isinstance(x, float) and math.isfinite(x)}
-    return {k: float(f"{x:.6g}") for k, x in values.items()}
-
-
-def rudder_of(name, point, near):
-    """Gains of the rudder at a point and their report, within the table's other loops; or None."""
-    flight = flight_of(name)
-    condition = replace(flight.condition, altitude=point.altitude, speed=point.speed)
-    try:
-        plane = Aircraft(name, condition=condition, create=flight.create)
-    except TrimError:
-        return None
-    model, gains = plant_model(plane), point.gains
-    plant = closed(Plant.of(model), PITCH, gains.pitch, "theta_cmd")
-    room, vt = 1.0 - abs(plane.trim.rudder), float(model.x0[model.states.index("vt")])
-    damper = design_yaw(plant, room)
-    rolling = closed(plant, ROLL, gains.roll, "phi_cmd")
-    return design_rudder(rolling, damper, room, vt, gains.roll.ramp, Neighbours(near))
-
-
-def measured(name, point):
-    """Limits of the envelope at a point of a table; none where it has no trim by itself."""
-    flight = flight_of(name)
-
-    def fresh():
-        return Airframe(name, create=flight.create)
-
-    for solver in (None, "newton"):
-        condition = replace(
-            flight.condition, altitude=point["altitude"], speed=point["speed"], solver=solver
-        )
-        try:
-            found = envelope(fresh, condition, trim(fresh(), condition), point["speed"])
-        except TrimError:
-            continue
-        return {key: float(f"{value:.6g}") for key, value in vars(found).items()}
-    return {}
 
 
 # where the hand-tuned tables were tuned
@@ -401,8 +250,8 @@ def nominal(name):
 # s of flight after off-design steps
 OFF_SECONDS = {"pitch": 10.0, "roll": 12.0, "heading": 60.0, "altitude": 40.0, "speed": 75.0}
 
-# of the airspeed; ft; of the tanks
-OFF_SPEEDS, OFF_ALTITUDES, FUELS = (0.8, 1.2), (LOWEST, HIGHER), {"light": 0.2, "heavy": 1.0}
+# of the airspeed; of the tanks, light and heavy
+OFF_SPEEDS, FUELS = (0.8, 1.2), (0.2, 1.0)
 
 OFF_HEADER = """\
 | aircraft | 0.8 V | 1.2 V | lower | higher | light | heavy |
@@ -417,7 +266,7 @@ def off_design(name):
     h, vc = condition.altitude, condition.speed
     there = [replace(condition, speed=share * vc) for share in OFF_SPEEDS]
     there += [replace(condition, altitude=LOWEST), replace(condition, altitude=h + HIGHER)]
-    there += [replace(condition, fuel=fuel(plane, share)) for share in FUELS.values()]
+    there += [replace(condition, fuel=fuel(plane, share)) for share in FUELS]
     cells = [off_point(name, schedule, point, create) for point in there]
     return f"| {name} | {' | '.join(cells)} |\n"
 
@@ -541,8 +390,18 @@ def compared():
             yield row.replace(name, f"{name}, {kind}", 1)
 
 
+def turbulence(severity, wind, seed):
+    """Properties of JSBSim's MIL-spec turbulence, for a wind in ft/s at 20 ft."""
+    return {
+        "atmosphere/randomseed": float(seed),
+        "atmosphere/turb-type": 3.0,
+        "atmosphere/turbulence/milspec/severity": severity,
+        "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": wind,
+    }
+
+
 # ft above the ground; of the lowest level airspeed: found by steps of this ratio, and where flights
-# begin, in this order; what is asked for; s; random seeds; MIL-spec, 15 kt at 20 ft
+# begin, in this order; what is asked for; s; random seeds
 NEAR, FINE, BEGINS, TOO_SLOW, NEAR_SECONDS, SEEDS = (
     200.0,
     0.99,
@@ -551,11 +410,6 @@ NEAR, FINE, BEGINS, TOO_SLOW, NEAR_SECONDS, SEEDS = (
     90.0,
     (1, 2, 3),
 )
-LIGHT = {
-    "atmosphere/turb-type": 3.0,
-    "atmosphere/turbulence/milspec/severity": 3.0,
-    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 25.0,
-}
 SLOW_T = 1 / 60
 # of the airspeed of level flight, where gear and flaps come down; deg or of the throttle, by which
 # they change it
@@ -611,7 +465,7 @@ def begun(name, condition, lowest, flight, seed):
                 name,
                 condition=replace(condition, speed=share * lowest),
                 create=flight.create,
-                properties={**LIGHT, "atmosphere/randomseed": float(seed)},
+                properties=turbulence(3.0, 25.0, seed),
                 T=SLOW_T,
                 substeps=2,
                 output_properties=["h_agl"],
@@ -745,11 +599,7 @@ def speed_rows(name):
 
 # turbulence of severity 4: s of flight, and from which it is judged; s and deg of a turn; then a
 # headwind in ft/s that goes within some s from another s on, and the flight's s
-ROUGH = LIGHT | {
-    "atmosphere/turbulence/milspec/severity": 4.0,
-    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 50.0,
-    "atmosphere/randomseed": 7.0,
-}
+ROUGH = turbulence(4.0, 50.0, seed=7)
 ROUGH_SECONDS, ROUGH_JUDGED, ROUGH_TURN = 200.0, 10.0, (30.0, 30.0)
 SHEAR, SHEAR_FROM, SHEAR_WITHIN, SHEAR_SECONDS = 50.0, 5.0, 15.0, 60.0
 
@@ -833,7 +683,6 @@ def main(names):
             print(f"{name}: no table: {error}", flush=True)
         else:
             found.save(table_of(name))
-            limits([name])
 
 
 if __name__ == "__main__":
@@ -842,8 +691,6 @@ if __name__ == "__main__":
     )
     parser.add_argument("aircraft", nargs="*")
     do = parser.add_mutually_exclusive_group()
-    for name, action in {"limits": limits, "yaw": yaw, "speed": speed}.items():
-        do.add_argument(f"--{name}", dest="do", action="store_const", const=action, default=main)
     for kind in FLIGHTS:
         flight = partial(fly, kind)
         do.add_argument(f"--{kind}", dest="do", action="store_const", const=flight, default=main)

@@ -20,6 +20,7 @@ from block_pictures import draw_on
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from pymap3d import geodetic2ned
 
+from pathsim_jsbsim_blocks.axes import body_to_ned
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.cli import main as command
 
@@ -89,12 +90,8 @@ def flight():
 
 def to_earth(points, row):
     """Points of the body in ft east, north and up of the runway, by the 3-2-1 angles."""
-    phi, theta, psi = np.radians([row.phi, row.theta, row.psi])
-    c, s = np.cos, np.sin
-    yaw = np.array([[c(psi), -s(psi), 0], [s(psi), c(psi), 0], [0, 0, 1]])
-    pitch = np.array([[c(theta), 0, s(theta)], [0, 1, 0], [-s(theta), 0, c(theta)]])
-    roll = np.array([[1, 0, 0], [0, c(phi), -s(phi)], [0, s(phi), c(phi)]])
-    north, east, down = yaw @ pitch @ roll @ np.array(points).T
+    axes = np.transpose(points).astype(float)
+    north, east, down = body_to_ned(*axes, row.phi, row.theta, row.psi)
     # undistorted on the axes, whose scales differ
     offset = SIZE * np.array([east, north, -down]).T * (HIGH - LOW) / BOX
     return np.array([row.east, row.north, row.up]) + offset

@@ -16,7 +16,7 @@ import sys
 from dataclasses import replace
 
 import numpy as np
-from gain_tables import flight_of, fuel, lowest_level
+from gain_tables import flight_of, fuel, lowest_level, turbulence
 from tables import DOCS, put
 
 CASES = 100
@@ -133,20 +133,10 @@ def settings(name, case):
     )
     return {
         "aircraft.condition": condition,
-        "TURBULENCE": turbulence(case["gusts"], case["seed"]),
+        "TURBULENCE": turbulence(SEVERITY, case["gusts"] * KNOT, case["seed"]),
         "ELEVATION": case["elevation"],
         "COURSE": course,
         "ANTENNA": place(BEYOND, 0.0, course),
-    }
-
-
-def turbulence(gusts, seed):
-    """Properties of JSBSim's MIL-spec turbulence of a wind at 20 ft, kt."""
-    return {
-        "atmosphere/randomseed": float(seed),
-        "atmosphere/turb-type": 3.0 if gusts else 0.0,
-        "atmosphere/turbulence/milspec/severity": SEVERITY,
-        "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": gusts * KNOT,
     }
 
 
@@ -191,7 +181,7 @@ def approach(table, number, head, cross, gusts):
         "aircraft.aircraft": name,
         "aircraft.condition": condition,
         "aircraft.create": flight.create,
-        "TURBULENCE": turbulence(gusts, number),
+        "TURBULENCE": turbulence(SEVERITY, gusts * KNOT, number),
         "ELEVATION": elevation,
         "COURSE": course,
         "ANTENNA": place(BEYOND, 0.0, course),

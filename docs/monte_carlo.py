@@ -9,7 +9,7 @@ wind and the seed of the turbulence are drawn anew for each case.
 import sys
 
 import numpy as np
-from gain_tables import SECONDS, asked, at_point, no_throttle
+from gain_tables import SECONDS, asked, at_point, no_throttle, turbulence
 from tables import EVIDENCE, put
 
 from pathsim_jsbsim_blocks.design.requirements import ALTITUDE_KEPT, STEP_REQUIREMENTS
@@ -32,11 +32,6 @@ WIND = 40.0  # ft/s, from any direction
 OFF = 1.5
 HEADING = 60.0  # s
 IN_TURBULENCE = 90.0  # s
-TURBULENCE = {
-    "atmosphere/turb-type": 3.0,
-    "atmosphere/turbulence/milspec/severity": 4.0,
-    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 50.0,
-}
 ENDLESS = sys.float_info.max  # s: it settles within the flight
 # what is measured, its row on the page, and the limit
 ROWS = {
@@ -118,7 +113,7 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
     here = at_point(gains, condition)
     found["error"], found["alpha"] = max(errors), alpha - here.envelope.alpha_max
 
-    rough = {"atmosphere/randomseed": float(seed % 30_000), **TURBULENCE}
+    rough = turbulence(4.0, 50.0, seed % 30_000)
     y = fly_step(
         lambda: fresh(properties=rough), gains, STEPS["heading"], seconds=IN_TURBULENCE
     ).outputs
