@@ -23,91 +23,51 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "quick"))
 
 
 TESTS = Path(__file__).parent
+
+
+def files(folders, **names):
+    """Folders of the tests, and files by folder ("_" is this one)."""
+    rows = {"" if folder == "_" else f"{folder}/": row.split() for folder, row in names.items()}
+    return (
+        *(f"{folder}/" for folder in folders.split()),
+        *(f"{folder}test_{name}.py" for folder, row in rows.items() for name in row),
+    )
+
+
 # what needs no flight of more than seconds: folders and files of `pytest -m fast`, which reads no others
-FAST = (
-    *(f"{name}/" for name in ("air", "axes", "core", "scripts", "wind")),
-    *(
-        f"control/test_{name}.py"
-        for name in ("gains", "laws", "pid", "response", "sensor_actuator")
-    ),
-    "guidance/test_laws_of_approaches.py",
-    "design/test_plant.py",
-    "linear/test_plots_of_models.py",
-    *(f"flight/test_{name}.py" for name in ("aircraft", "contact", "fields", "limits", "points")),
-    *(f"pathview/test_{name}.py" for name in ("convert", "layout", "unreadable")),
-    *(f"test_{name}.py" for name in ("budgets", "conventions", "promises", "sources", "units")),
+FAST = files(
+    "air axes core scripts wind",
+    control="gains laws pid sensor_actuator",
+    guidance="laws_of_approaches",
+    design="plant",
+    linear="plots_of_models",
+    flight="aircraft contact fields limits",
+    pathview="convert layout",
+    _="budgets conventions promises sources units",
 )
 # rooms in depth: all tests of these files are `deep`, beyond the selection of the README's command,
 # which does not read them
-DEEP = (
-    "check_cases/test_f16.py",
-    *(f"control/test_{name}.py" for name in ("disturbances", "holds", "schedules")),
-    *(f"core/test_{name}.py" for name in ("attributes", "copies", "ends_of_steps", "running")),
-    "design/",
-    "diagrams/test_result_lines.py",
-    *(
-        f"flight/test_{name}.py"
-        for name in (
-            "checkpoint",
-            "engines",
-            "fleet",
-            "flightgear",
-            "from_outside",
-            "integrators_and_planet",
-            "life",
-            "newton",
-            "property_ports",
-            "recording",
-            "reset",
-            "scripts",
-            "sealed",
-            "setup_acts",
-        )
-    ),
-    *(f"guidance/test_{name}.py" for name in ("climbs", "landing", "navigation", "protection")),
-    *(
-        f"linear/test_{name}.py"
-        for name in (
-            "diagrams",
-            "governed_propellers",
-            "laws_at_limits",
-            "margins",
-            "model",
-            "servos",
-        )
-    ),
-    *(
-        f"pathview/test_{name}.py"
-        for name in (
-            "access",
-            "export",
-            "hosted_editor",
-            "needless_refusals",
-            "roundtrip",
-            "strangers",
-            "trust",
-            "whole_scripts",
-        )
-    ),
-    *(
-        f"studies/test_{name}.py"
-        for name in ("aircraft_report", "batch", "branch", "performance", "resume")
-    ),
-    *(
-        f"test_{name}.py"
-        for name in (
-            "bad_input",
-            "gym",
-            "host",
-            "import",
-            "plots",
-            "script_commands",
-            "shared_options",
-            "without_jsbsim",
-        )
-    ),
-    "wind/test_turbulence.py",
+DEEP = files(
+    "design",
+    check_cases="f16",
+    control="disturbances holds schedules sensor_actuator",
+    core="attributes copies ends_of_steps random_diagrams running sampling wiring",
+    daveml="daveml",
+    diagrams="diagrams_air_data diagrams_axes diagrams_control diagrams_studies diagrams_wind "
+    "result_lines",
+    flight="checkpoint engines fleet flightgear forked from_outside integrators_and_planet life "
+    "newton property_ports recording reset scripts sealed setup_acts",
+    guidance="climbs gains_of_autopilots landing navigation protection",
+    linear="diagrams governed_propellers laws_at_limits margins model modes plots_of_models servos",
+    pathview="access committed convert export first_run hosted_editor layout needless_refusals "
+    "roundtrip strangers trust whole_scripts",
+    studies="aircraft_report batch batch_seeds branch performance resume sweep",
+    tracks="odd_inputs",
+    wind="turbulence",
+    _="bad_input claims conventions extreme_numbers gym host import physical_bounds plots "
+    "script_commands shared_options visible_warnings without_jsbsim words",
 )
+assert [name for name in (*FAST, *DEEP) if not (TESTS / name).exists()] == []
 FAST_SECONDS = 2.0  # of processor time; the first test of a module may import it
 
 

@@ -324,6 +324,7 @@ def test_without_power_another_speed_helps_a_glide_only(condition, nearest):
     assert (error.value.nearest and error.value.nearest.speed) == nearest
 
 
+@pytest.mark.long
 def test_what_was_written_outlasts_a_failed_trim():
     # fields left at None are not written, whether or not the trims in between converged
     airframe = Airframe("c172p", create={"ours/lamp": 2.0})

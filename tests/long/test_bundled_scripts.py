@@ -1,13 +1,12 @@
-"""All scripts and reset files that jsbsim brings, flown by the block beside plain JSBSim."""
+"""All scripts that jsbsim brings, flown by the block beside plain JSBSim."""
 
-import jsbsim
 import numpy as np
 import pytest
 from flown_scripts import OUTPUTS, bundled_reset_files, bundled_scripts, recorded, scripted
-from plain_jsbsim import flown_reset_file, flown_script
+from plain_jsbsim import flown_script
 
-from pathsim_jsbsim_blocks import JSBSimFDM, TrimCondition
-from pathsim_jsbsim_blocks.errors import BlocksError, ParameterError
+from pathsim_jsbsim_blocks import JSBSimFDM
+from pathsim_jsbsim_blocks.errors import BlocksError
 
 pytestmark = pytest.mark.long
 
@@ -22,10 +21,6 @@ REFUSED = {
 }
 # the trim that the reset file asks for is that of JSBSim's command line
 TRIMMED_AT_START = ("B737_Runway", "b737_runway_new")
-
-
-# the model of a blank aircraft is no model
-RESETS = [pair for pair in bundled_reset_files() if pair[0] != "blank"]
 
 
 def test_all_scripts_are_there():
@@ -64,40 +59,3 @@ def test_a_linearisation_is_made_where_files_are_allowed(tmp_path, monkeypatch):
     flown = recorded(scripted(path, allow_files=True), 10.0)
     assert list(tmp_path.iterdir()) != []
     np.testing.assert_array_equal(flown, flown_script(path, OUTPUTS, 10.0)[: len(flown)])
-
-
-@pytest.mark.parametrize(("aircraft", "file"), RESETS)
-def test_a_reset_file_is_the_start_of_the_flight(aircraft, file):
-    plane = JSBSimFDM(aircraft_model=aircraft, initialize=file, output_properties=OUTPUTS)
-    rows, flown = flown_reset_file(aircraft, file, OUTPUTS, 5.0), recorded(plane, 5.0)
-    np.testing.assert_array_equal(flown, rows[: len(flown)])
-    if len(flown) < len(rows):
-        # where the block ends a flight without a script
-        fdm = plane.airframe.fdm
-        values = fdm["position/h-agl-ft"], fdm["accelerations/Nz"]
-        assert values[0] < -1.0 or abs(values[1]) > 50.0 or not np.isfinite(sum(values))
-
-
-# 285 KCAS with the gear down
-@pytest.mark.filterwarnings("ignore:737 at")
-@pytest.mark.parametrize(("aircraft", "file"), RESETS)
-def test_a_reset_file_in_mode_none_is_its_state(aircraft, file):
-    if (aircraft, file) == ("pogo-jsbsim", "reset00"):
-        pytest.skip("stands upright, where roll and heading are not defined")
-    names = OUTPUTS[:11]
-    condition = TrimCondition.from_file(file, aircraft, mode="none")
-    plane = JSBSimFDM(aircraft_model=aircraft, condition=condition, output_properties=names)
-    fdm = jsbsim.FGFDMExec(None)
-    fdm.disable_input()
-    fdm.disable_output()
-    fdm.load_model(aircraft)
-    fdm.load_ic(file, True)
-    fdm.run_ic()
-    away = plane.outputs.to_array() - [fdm[name] for name in names]
-    away[-1] = (away[-1] + np.pi) % (2 * np.pi) - np.pi
-    np.testing.assert_allclose(away, 0.0, atol=1e-7)
-
-
-def test_what_is_that_of_the_file_is_not_changed():
-    with pytest.raises(ParameterError, match="that of the file"):
-        TrimCondition.from_file("cruise_init", "737", mode="none", latitude=3.0)
