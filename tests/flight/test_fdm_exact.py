@@ -108,7 +108,7 @@ def test_bit_for_bit_at_dt_equal_T(aircraft):
 
 
 @pytest.mark.parametrize(("aircraft", "parts"), [("c172p", 2), ("737", 4)])
-def test_a_step_that_divides_T(aircraft, parts):
+def test_a_step_that_divides_T_and_the_same_after_a_reset(aircraft, parts):
     fdm = block(aircraft)
     scope, sim = wire(fdm, sines(), dt=T / parts)
     sim.run(2.0)
@@ -117,6 +117,9 @@ def test_a_step_that_divides_T(aircraft, parts):
     # relative to the largest value of each output: the inputs of both loops are the same floats,
     # recorded at the same instants, so nothing but equality is expected
     assert np.max(np.abs(y - loop(u, aircraft)) / np.abs(y).max(axis=0)) <= 1e-12
+    sim.reset()
+    sim.run(2.0)
+    assert np.array_equal(samples(scope)[1], y)
 
 
 def test_a_step_of_two_T_keeps_the_clock_and_warns():
