@@ -231,7 +231,8 @@ def test_ports_of_the_wrong_direction():
     ids=["JSBSimFDM", "Aircraft"],
 )
 def test_an_input_that_is_not_finite_ends_the_flight(make, value):
-    block, source, scope = make(), Source(lambda t: value if t > 0.999 else 0.01), Scope()
+    block, scope, level = make(), Scope(), value
+    source = Source(lambda t: level if t > 0.999 else 0.01)
     wires = [Connection(source, block[0]), Connection(block[0], scope)]
     sim = Simulation([source, block, scope], wires, dt=block.T, log=False)
     with pytest.raises(FlightError, match=r"aircraft 'c172p': input .* at t = 1 s") as error:
@@ -242,6 +243,10 @@ def test_an_input_that_is_not_finite_ends_the_flight(make, value):
     time, data = scope.read()
     assert time[-1] > 0.99
     assert np.isfinite(data).all()
+    level = 0.01
+    with pytest.raises(FlightError) as again:  # until a reset
+        sim.run(1.0)
+    assert (again.value.name, again.value.time) == (error.value.name, error.value.time)
 
 
 @pytest.mark.parametrize("aircraft", ["f16", "A4"])
