@@ -22,7 +22,7 @@ UNITS = (
 )
 QUANTITY = re.compile(rf"(?<![\w.,/^-])-?(\d[\d,]*(?:\.\d+)?)[ -](?:{UNITS})(?![\w/])")
 NUMBER = re.compile(r"(?<![\w.])\d[\d_,]*(?:\.\d+)?(?:e-?\d+)?")
-GENERATED = re.compile(r"<!-- [^>]*? -->\n.*?\n<!-- end -->", re.S)
+GENERATED = re.compile(r"<!-- (?!from )[^>]*? -->\n.*?\n<!-- end -->", re.S)
 SOURCE = re.compile(r"<!-- from (\S+) -->")
 
 
@@ -64,6 +64,8 @@ def test_a_number_with_a_unit_has_its_source_on_the_page(page):
 def test_a_quantity_without_source_is_listed():
     page = "It climbs 300 ft.\n\n```python\nassert gain == 2.5\n```\n\nA gain of 2.5 deg loses 1,200 ft in 10 s.\n"
     assert [*unsourced(page)] == ["300 ft", "1,200 ft", "10 s"]
+    between = "A wing. <!-- from LICENSE -->\n\nIt rolls 77.5 deg.\n\n<!-- table -->\n1 kt\n<!-- end -->\n"
+    assert [*unsourced(between)] == ["77.5 deg"]
     named = "It falls 7.3 ft. <!-- from tests/data/no_such_file.csv -->\n"
     with pytest.raises(FileNotFoundError):
         [*unsourced(named)]
