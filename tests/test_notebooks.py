@@ -122,7 +122,8 @@ def test_a_notebook_shows_what_a_run_shows(name, tmp_path):
     assert [(words, figures) for words, _, figures in again] == [
         (words, figures) for words, _, figures in before
     ]
-    assert sum(figures for _, _, figures in before) > 0
+    # chapter 0 reads numbers only
+    assert sum(figures for _, _, figures in before) > 0 or name == "00_inside_one_step"
     for (_, numbers, _), (_, expected, _) in zip(again, before, strict=True):
         # half of the last digit printed, where a last bit tips it
         assert numbers == pytest.approx(expected, rel=1e-3, abs=1e-3)

@@ -32,7 +32,7 @@ from importlib.util import find_spec
 
 import lazy_loader
 
-__version__ = "0.4.0"
+__version__ = "0.5.0"
 
 # without a handler Python's last resort would write JSBSim's warnings to the console
 logging.getLogger(__name__).addHandler(logging.NullHandler())

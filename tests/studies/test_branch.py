@@ -25,6 +25,7 @@ from pathsim_jsbsim_blocks import (
     fly,
 )
 from pathsim_jsbsim_blocks.errors import BranchError, CopyError
+from pathsim_jsbsim_blocks.pathview.server import Server
 from pathsim_jsbsim_blocks.studies import branch
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
@@ -240,6 +241,11 @@ def test_without_fork_with_sockets_or_beside_a_flight_there_is_no_branch(monkeyp
     end.set()
     thread.join()
     assert branch([lambda: 1]) == [1]
+
+    # PathView flies in processes of its own
+    with Server({}, port=0) as server:
+        threading.Thread(target=server.run, daemon=True).start()
+        assert branch([lambda: 1]) == [1]
 
     monkeypatch.delattr(os, "fork")
     with pytest.raises(BranchError, match=r"no os\.fork") as error:

@@ -24,8 +24,9 @@ from ..flight.forked import Fork, Forks
 # a progress bar for more futures than these
 _FEW = 10
 
-# packages whose code a thread runs while it flies, or serves the editor
+# packages whose code a thread runs while it flies
 _FLYING = ("pathsim", "pathsim_jsbsim_blocks")
+_SERVER = "pathsim_jsbsim_blocks.pathview."
 
 
 class _Answer(NamedTuple):
@@ -77,7 +78,7 @@ def branch(futures: Iterable[Callable[[], Any]], jobs: int | None = None) -> lis
         for a future that a signal or an exit has ended, a result or an error that cannot be
         pickled, and where no branch is possible: without ``os.fork`` (Windows), with an aircraft
         that is connected to FlightGear or allowed a network, since its copies would send too, and
-        beside other threads that run PathSim (the editor's server), which the copies would lack
+        beside other threads that run PathSim, which the copies would lack
     ParameterError
         for a future that is no function, and invalid ``jobs``
     """
@@ -153,7 +154,7 @@ def _refuse_here() -> None:
 
 
 def _flying_threads() -> list[str]:
-    """Names of other threads that run PathSim or its editor."""
+    """Names of other threads that run PathSim; PathView's server flies in other processes."""
     threads = {thread.ident: thread.name for thread in threading.enumerate()}
     names = []
     for ident, frame in sys._current_frames().items():
@@ -161,7 +162,8 @@ def _flying_threads() -> list[str]:
             continue
         while frame is not None:
             module = frame.f_globals.get("__name__", "")
-            if module.partition(".")[0] in _FLYING and module != Forks.__module__:
+            own = module == Forks.__module__ or module.startswith(_SERVER)
+            if module.partition(".")[0] in _FLYING and not own:
                 names.append(threads.get(ident, str(ident)))
                 break
             frame = frame.f_back  # type: ignore[assignment]
