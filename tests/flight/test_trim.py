@@ -283,6 +283,9 @@ def test_the_cg_really_moves_and_the_installed_model_stays():
     # CG ahead: more nose-up elevator (negative is trailing edge up)
     assert ahead.elevator_rad < here.elevator_rad - 0.01
     assert empty_weight_cg("global5000")[0] == x
+    # a loaded model keeps its centre of gravity
+    with pytest.raises(ParameterError, match=r"empty_cg_x must be that of the airframe \(None\)"):
+        trim(Airframe("global5000"), TrimCondition(**condition, empty_cg_x=0.95 * x))
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,7 @@ class Airframe(Powerplant):
         self._network = flag("allow_network", allow_network)
         self._files = flag("allow_files", allow_files)
         self._flightgear = optional("flightgear", flightgear, of=address)
-        self._cg = None if empty_cg_x is None else number("empty_cg_x", empty_cg_x)
+        self.empty_cg_x = None if empty_cg_x is None else number("empty_cg_x", empty_cg_x)
         if isinstance(create, str) and create == "missing":
             create = {"missing": True}
         if isinstance(create, str):
@@ -258,8 +258,8 @@ class Airframe(Powerplant):
         for name, value in properties.items():
             self.make(name, value)
         with contextlib.ExitStack() as stack:
-            if self._cg is not None:
-                stage = self._file.staged(self._cg)
+            if self.empty_cg_x is not None:
+                stage = self._file.staged(self.empty_cg_x)
                 self.fdm.set_aircraft_path(stack.enter_context(stage))
             failure = self._load()
         self._open_tree()

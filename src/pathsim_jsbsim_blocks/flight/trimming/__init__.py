@@ -87,11 +87,19 @@ def trim(
         for unknown properties in ``setup`` or the condition, or missing tanks or point masses
     ParameterError
         for properties in ``setup`` that have another value after the trim, naming what to set
-        instead, and for an aircraft's name in place of an `Airframe`
+        instead, for an aircraft's name in place of an `Airframe`, and for a condition's
+        ``empty_cg_x`` with which the airframe was not loaded
     """
     if not isinstance(airframe, Airframe):
         must_be("airframe", airframe, "an Airframe, as in trim(Airframe('c172p'), ...)")
     check_condition(condition)
+    if condition.empty_cg_x not in (None, airframe.empty_cg_x):
+        must_be(
+            "condition.empty_cg_x",
+            condition.empty_cg_x,
+            f"that of the airframe ({airframe.empty_cg_x}), as the model is loaded with it: "
+            f"Airframe({airframe.aircraft!r}, empty_cg_x={condition.empty_cg_x:g})",
+        )
     flag("hint", hint)
     flag("warm", warm)
     duration = number("fly", fly, low=0.0, high=3600.0)
