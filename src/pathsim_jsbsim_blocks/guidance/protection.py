@@ -114,7 +114,10 @@ class Protection:
     # fractions of the minimum airspeed
     DESCENT_REGAINS_BELOW = 1.15  # behind the power curve a descent may regain the commanded one
     DESCENT_FORCED_BELOW = 0.96
-    BOOST_FULL_AT = 0.04  # error below the commanded or above the maximum airspeed for full boost
+    # error below the commanded airspeed for full throttle: at a third of it the throttle of a c172p
+    # at its minimum airspeed, behind the power curve, oscillates by 0.6
+    BOOST_FULL_AT = 0.12
+    CLOSED_AT = 0.04  # fraction of the maximum airspeed: excess for which the throttle is closed
     AHEAD = 2.0  # prediction time of the airspeed, from the rate of the energy, s
     DESCENT_YIELDS = 5.0  # excess over the commanded airspeed beyond which a descent is reduced, kt
 
@@ -341,7 +344,7 @@ class Protection:
         # if the pitch limit prevents the end of a forbidden sink, full throttle must end it
         boost = max(boost, min((floor - state.climb) / self.CLIMB_KEPT, 1.0))
         excess = state.airspeed + self.AHEAD * state.acceleration - fastest
-        return boost - clip(excess / (self.BOOST_FULL_AT * fastest), 0.0, 1.0)
+        return boost - clip(excess / (self.CLOSED_AT * fastest), 0.0, 1.0)
 
     def pitch_rate(self, vc: float, h: float) -> float:
         """Maximum rate of the pitch reference at an airspeed, from the load factor, deg/s."""
