@@ -46,7 +46,6 @@ QUICK = {
 FLIGHTS = {
     "performance": ["docs/performance_charts.py", "FOLDER"],
     "steps": ["docs/gain_tables.py", "--fly"],
-    "off design": ["docs/gain_tables.py", "--off"],
     "cruise": ["docs/gain_tables.py", "--cruise"],
     "airspeeds": ["docs/gain_tables.py", "--airspeed"],
     "turbulence": ["docs/gain_tables.py", "--rough"],

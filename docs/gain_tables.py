@@ -6,9 +6,8 @@ and three airspeeds, where it trims there, in
 the designed ones of these aircraft are called `AIRCRAFT-designed`.
 
 With ``--fly`` the steps are flown with the existing tables, for the tables of `docs/evidence`;
-with ``--off`` at other airspeeds, altitudes and fuel; with ``--cruise`` those of airliners at
-cruise altitudes; with ``--slow`` slowly near the ground; with ``--airspeed`` large steps of the
-airspeed; with ``--rough`` in turbulence and in a shear.
+with ``--cruise`` those of airliners at cruise altitudes; with ``--slow`` slowly near the ground;
+with ``--airspeed`` large steps of the airspeed; with ``--rough`` in turbulence and in a shear.
 """
 
 import argparse
@@ -19,7 +18,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from tables import write_table
+from tables import EVIDENCE, measured, put, write_table
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot, TrimCondition
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains, table
@@ -247,28 +246,8 @@ def nominal(name):
     return schedule, condition, flight.create, predicted
 
 
-# s of flight after off-design steps
-OFF_SECONDS = {"pitch": 10.0, "roll": 12.0, "heading": 60.0, "altitude": 40.0, "speed": 75.0}
-
-# of the airspeed; of the tanks, light and heavy
-OFF_SPEEDS, FUELS = (0.8, 1.2), (0.2, 1.0)
-
-OFF_HEADER = """\
-| aircraft | 0.8 V | 1.2 V | lower | higher | light | heavy |
-|---|---|---|---|---|---|---|
-"""
-
-
-def off_design(name):
-    """One row of the table of off-design flights."""
-    schedule, condition, create, _ = nominal(name)
-    plane = Aircraft(name, condition=condition, create=create)
-    h, vc = condition.altitude, condition.speed
-    there = [replace(condition, speed=share * vc) for share in OFF_SPEEDS]
-    there += [replace(condition, altitude=LOWEST), replace(condition, altitude=h + HIGHER)]
-    there += [replace(condition, fuel=fuel(plane, share)) for share in FUELS]
-    cells = [off_point(name, schedule, point, create) for point in there]
-    return f"| {name} | {' | '.join(cells)} |\n"
+# s of flight after steps at cruise altitudes
+CRUISE_SECONDS = {"pitch": 10.0, "roll": 12.0, "heading": 60.0, "altitude": 40.0, "speed": 75.0}
 
 
 def fuel(plane, share):
@@ -301,7 +280,7 @@ def off_point(name, schedule, condition, create):
         down.add("pitch")
     missed = []
     for loop, step in STEPS.items():
-        size, seconds = asked(loop, schedule, condition, down, OFF_SECONDS[loop])
+        size, seconds = asked(loop, schedule, condition, down, CRUISE_SECONDS[loop])
         try:
             flown = fly_step(fresh, schedule, step, size, seconds)
         except FlightError:
@@ -649,7 +628,6 @@ def rough_row(name):
 
 FLIGHTS = {
     "fly": ("designed-gains-steps", HEADER, step_rows),
-    "off": ("designed-gains-off-design", OFF_HEADER, off_design),
     "cruise": ("designed-gains-cruise", CRUISE_HEADER, cruise_row),
     "slow": ("autopilots-near-ground", SLOW_HEADER, slow_rows),
     "airspeed": ("designed-gains-airspeed", SPEED_HEADER, speed_rows),
@@ -671,6 +649,9 @@ def fly(kind, names):
     if kind == "fly":
         write_table("designed-gains-hand-tuned", HEADER + "".join(compared()))
         print("".join(count_jumps()))
+    if kind != "slow":
+        tables = [name for name, _, _ in FLIGHTS.values() if name.startswith("designed-gains")]
+        put(EVIDENCE / "designed-gains.md", "commit", measured(*tables))
 
 
 def main(names):
