@@ -284,7 +284,7 @@ def tables(results):
     for label, kind in (("**landed within the limits**", "landed"), ("went around", "around")):
         counts = [f"{end.count(kind)} of {len(end)}" for end in ends.values()]
         lines.append(f"| {label} | {' | '.join(counts)} |")
-    lines += ["", "| case | aircraft | head, cross, gusts [kt] | outcome |", "|--:|---|--:|---|"]
+    others = []
     for name, rows in results.items():
         for (case, found), end in zip(rows, ends[name], strict=True):
             if end == "around":
@@ -292,7 +292,14 @@ def tables(results):
                 end += f"lowest {found['lowest']:.0f} ft"
             if end != "landed":
                 wind = ", ".join(f"{case[key]:.0f}" for key in ("head", "cross", "gusts"))
-                lines.append(f"| {case['seed']:.0f} | {name} | {wind} | {end} |")
+                others.append(f"| {case['seed']:.0f} | {name} | {wind} | {end} |")
+    if others:
+        lines += [
+            "",
+            "| case | aircraft | head, cross, gusts [kt] | outcome |",
+            "|--:|---|--:|---|",
+        ]
+    lines += others
     return "\n".join(lines)
 
 

@@ -6,7 +6,7 @@ same seed, so that the aircraft meet the same air; each follows its own aircraft
 and heading.
 
 Expected: with the controls fixed the aircraft wanders from 4730 to 5783 ft; on autopilot it stays
-within 52 ft of 5000 ft. The ride is hardly smoother, 0.20 and 0.18 g rms: the autopilot damps the
+within 48 ft of 5000 ft. The ride is hardly smoother, 0.20 and 0.18 g rms: the autopilot damps the
 short period near 1 Hz, but holding the altitude adds to nz from 0.1 to 0.5 Hz. Above 2 Hz both are
 the same.
 

@@ -63,9 +63,9 @@ def test_turbulence_rides():
     time, h = module.altitude.read()
     _, nz = module.load_factor.read()
     assert (h[0].min(), h[0].max()) == pytest.approx((4730.0, 5783.0), abs=1.0)
-    assert np.abs(h[1] - 5000.0).max() < 52.0
+    assert np.abs(h[1] - 5000.0).max() < 48.0
     settled = nz[:, time > 5.0]
-    assert settled.std(axis=1) == pytest.approx([0.196, 0.182], abs=0.001)
+    assert settled.std(axis=1) == pytest.approx([0.196, 0.181], abs=0.001)
     # the altitude is paid for from 0.1 to 0.5 Hz, the short period is damped
     frequency, (held, flown_) = module.spectra()
     low, middle, high = (
