@@ -109,14 +109,14 @@ class Protection:
     # below the commanded airspeed: down to this error the climb is reduced to the measured excess,
     # and beyond it further, to regain the airspeed, kt
     CLIMB_YIELDS = 5.0
+    # and for full throttle: at a third of it the throttle of a c172p at its minimum airspeed
+    # oscillates by 0.6, at three times it an A320 loses 150 ft
+    BOOST_FULL_AT = 6.0
     MAKES_WAY = 2.0  # throttle reduction over the throttle that the remaining descent would save
 
     # fractions of the minimum airspeed
     DESCENT_REGAINS_BELOW = 1.15  # behind the power curve a descent may regain the commanded one
     DESCENT_FORCED_BELOW = 0.96
-    # error below the commanded airspeed for full throttle: at a third of it the throttle of a c172p
-    # at its minimum airspeed, behind the power curve, oscillates by 0.6
-    BOOST_FULL_AT = 0.12
     CLOSED_AT = 0.04  # fraction of the maximum airspeed: excess for which the throttle is closed
     AHEAD = 2.0  # prediction time of the airspeed, from the rate of the energy, s
     DESCENT_YIELDS = 5.0  # excess over the commanded airspeed beyond which a descent is reduced, kt
@@ -313,7 +313,7 @@ class Protection:
         highest = min(max(trade, -deficit * self.limits.descent_max), climb + spare)
         rate = state.acceleration + GRAVITY * state.climb / max(state.v, self.SLOWEST)
         missing = self.BOOST_ENDS_ABOVE * target - state.inertial - self.AHEAD * rate
-        boost = clip(deficit * missing / (self.BOOST_FULL_AT * slowest), 0.0, 1.0)
+        boost = clip(deficit * missing / (self.BOOST_FULL_AT * per_knot), 0.0, 1.0)
         return max(highest, -self.limits.descent_max), boost
 
     def _for_descent(
