@@ -121,7 +121,7 @@ class Editor:
             if m.strip() not in ("", "Error reading Scope: 'NoneType' object is not iterable")
         ]
 
-    def run(self, button="Run", timeout=120_000):
+    def run(self, button="Run", timeout=300_000):
         """Press a button and wait for the run's end; returns what PathView says of it."""
         runs = len(self.runs)
         said = self._press(button, timeout)
