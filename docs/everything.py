@@ -53,7 +53,7 @@ FLIGHTS = {
     "random cases": ["docs/monte_carlo.py"],
     "landings": ["docs/landings.py"],
     "approaches in a crosswind": ["docs/landings.py", "crosswind"],
-    "failed engines": ["docs/demands.py", "engines"],
+    "failed engines": ["docs/failed_engines.py"],
 }
 STEPS = {**QUICK, **FLIGHTS}
 

@@ -263,7 +263,7 @@ def fuel(plane, share):
     return contents
 
 
-def off_point(name, schedule, condition, create):
+def cruise_point(name, schedule, condition, create):
     """What the steps at one condition do not meet, or "passes"."""
 
     def fresh(there=condition):
@@ -308,7 +308,7 @@ def cruise_row(name):
     """One row of the steps of an airliner at cruise altitudes between those of its table."""
     schedule, condition, create, _ = nominal(name)
     there = [replace(condition, altitude=altitude) for altitude in CRUISE_FLOWN]
-    cells = [off_point(name, schedule, point, create) for point in there]
+    cells = [cruise_point(name, schedule, point, create) for point in there]
     return f"| {name} | {condition.speed:.0f} | {' | '.join(cells)} |\n"
 
 

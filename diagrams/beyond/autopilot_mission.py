@@ -6,9 +6,9 @@ references change through step sources: 1500 ft up at 20 s, 60 deg to the right 
 faster at 130 s, 500 ft down at 180 s.
 
 Expected: the aircraft follows every reference through the gusts: altitude within 45 ft, heading
-within 2.2 deg and airspeed within 16 kt once captured; the elevator and the ailerons stay off their
-stops, and the throttle is at a stop for 0.2 % of the time. The airspeed loop follows the aircraft's
-own motion (ports ``nx``, ``nz``, ``vt``), not the gusts.
+within 2.2 deg and airspeed within 15.1 kt once captured; the elevator and the ailerons stay off
+their stops, and the throttle is at a stop for 0.2 % of the time. The airspeed loop follows the
+aircraft's own motion (ports ``nx``, ``nz``, ``vt``), not the gusts.
 
 Source: our own.
 """

@@ -6,7 +6,7 @@ autopilot measures only the airspeed: it pulls to hold the altitude behind the p
 angle of maximum lift, 16.1 deg. With it the angle of attack limits the pitch reference, and the
 throttle opens in time.
 
-Expected: with alpha, at least 50.6 kt, alpha at most 12.5 deg, altitude within 14 ft, and 51.9 kt
+Expected: with alpha, at least 50.6 kt, alpha at most 12.5 deg, altitude within 14.5 ft, and 51.9 kt
 at the end. Without the connection 46.3 kt and 25.3 deg: the aircraft stalls, stays stalled, and has
 lost 4351 ft at the end. With a step of -35 kt it just recovers.
 

@@ -38,10 +38,10 @@ ALPHA, MEAN, FAST, LONG = 1.0, 2.0, 5.0, 10.0
 def docs(monkeypatch):
     """The modules that fly the evidence of the gain tables."""
     monkeypatch.syspath_prepend(Path(__file__).parents[2] / "docs")
-    import demands
+    import failed_engines
     import gain_tables
 
-    return gain_tables, demands
+    return gain_tables, failed_engines
 
 
 def started(gain_tables, name, rng, seed):
@@ -85,7 +85,7 @@ def demanded(rng, seen):
     }
 
 
-def flown(gain_tables, demands, case):
+def flown(gain_tables, failed_engines, case):
     """Limits that are not kept in a case, "" for none."""
     rng = np.random.default_rng(case)
     names = [name for name in aircraft_names() if gain_tables.table_of(name).exists()]
@@ -102,11 +102,11 @@ def flown(gain_tables, demands, case):
         if k % round(SECONDS / CHANGES / T) == 0:
             references = demanded(rng, seen)
         if k * T > fails:
-            demands.stop_engine(plane)
+            failed_engines.stop_engine(plane)
         return references
 
     try:
-        flight = gain_tables.flown_by(demands.pilot(name), plane, round(SECONDS / T), asked)
+        flight = gain_tables.flown_by(failed_engines.pilot(name), plane, round(SECONDS / T), asked)
         for k, (_, seen) in enumerate(flight):
             if k % 6 == 0:
                 limits = table.at(seen["h"], seen["vc"]).envelope

@@ -44,9 +44,9 @@ class ProtectionState(NamedTuple):
     calm_rate: float = 0.0
     gust: float = 0.0  # angle of attack from gusts, deg, filtered
     v: float = 0.0  # true airspeed, ft/s; 0 before the first sample
-    inertial: float = 0.0  # the same from the aircraft's motion, without gusts
+    inertial: float = 0.0  # v without gusts, from the aircraft's motion
     acceleration: float = 0.0  # its rate, filtered
-    airspeed: float = 0.0  # v without gusts
+    airspeed: float = 0.0  # v, filtered
     available: float = 0.0  # excess rate of climb at full throttle, ft/s
     measured: float = 0.0  # and at the present throttle
     climb: float = 0.0  # rate of climb, filtered
@@ -168,8 +168,9 @@ class Protection:
         ``vc`` or ``h_agl`` of 0 (not connected) sets no limit.
         """
         per_knot, stops = true_airspeed(1.0, h), (full_elevator, full_throttle)
-        inertial = per_knot * (vc if airspeed is None else airspeed)
-        state = self._filtered(state, theta, alpha, vc * per_knot, inertial, hdot, phi, *stops)
+        airspeed = vc if airspeed is None else airspeed
+        speeds = vc * per_knot, airspeed * per_knot
+        state = self._filtered(state, theta, alpha, *speeds, hdot, phi, *stops)
         theta_max = theta + self.alpha_max - self._ahead(state)
         if not self.flies_envelope:
             return Allowed(theta_max), state
@@ -187,7 +188,7 @@ class Protection:
         highest, boost, feed, limit = steady, 0.0, 0.0, fastest
         if vc_cmd is not None:
             target = max(vc_cmd * per_knot, 1.0)
-            within = per_knot * ComplementaryAirspeed.within(inertial / per_knot, vc)
+            within = per_knot * ComplementaryAirspeed.within(airspeed, vc)
             highest, boost = self._for_airspeed(
                 state, within, target, per_knot, slowest, stiffness, spare
             )

@@ -24,9 +24,10 @@ from ..flight.forked import Fork, Forks
 # a progress bar for more futures than these
 _FEW = 10
 
-# packages whose code a thread runs while it flies
+# packages whose code a thread runs while it flies; and what does not fly in this process: copies,
+# and PathView's server
 _FLYING = ("pathsim", "pathsim_jsbsim_blocks")
-_SERVER = "pathsim_jsbsim_blocks.pathview."
+_ELSEWHERE = (Forks.__module__, "pathsim_jsbsim_blocks.pathview.")
 
 
 class _Answer(NamedTuple):
@@ -154,7 +155,7 @@ def _refuse_here() -> None:
 
 
 def _flying_threads() -> list[str]:
-    """Names of other threads that run PathSim; PathView's server flies in other processes."""
+    """Names of other threads that run PathSim."""
     threads = {thread.ident: thread.name for thread in threading.enumerate()}
     names = []
     for ident, frame in sys._current_frames().items():
@@ -162,8 +163,7 @@ def _flying_threads() -> list[str]:
             continue
         while frame is not None:
             module = frame.f_globals.get("__name__", "")
-            own = module == Forks.__module__ or module.startswith(_SERVER)
-            if module.partition(".")[0] in _FLYING and not own:
+            if module.partition(".")[0] in _FLYING and not module.startswith(_ELSEWHERE):
                 names.append(threads.get(ident, str(ident)))
                 break
             frame = frame.f_back  # type: ignore[assignment]

@@ -184,8 +184,8 @@ class Trimmer:
         airframe, fdm = self.airframe, self.airframe.fdm
         height = fdm[property_of("h_agl")]
         # a reset file of an aircraft at rest may have its reference point in the ground
-        lowest = -fdm["metrics/cbarw-ft"] if condition.mode == "none" else 0.0
-        if height < lowest and condition.mode != "ground":
+        depths = {"ground": math.inf, "none": fdm["metrics/cbarw-ft"]}
+        if height < -depths.get(condition.mode, 0.0):
             why = f"it starts {-height:.6g} ft below the terrain, whose elevation is "
             why += f"{fdm['ic/terrain-elevation-ft']:.6g} ft"
             raise failure(airframe, condition, "ground", why)

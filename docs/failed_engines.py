@@ -1,6 +1,6 @@
 """Fly with the outer engine failed, for docs/evidence/autopilots-engines.csv.
 
-    python docs/demands.py engines [AIRCRAFT ...]
+    python docs/failed_engines.py [AIRCRAFT ...]
 
 The outer engine of each aircraft with several fails, in a climb at full throttle and in cruise,
 with the tanks at a fifth and full.
@@ -75,7 +75,7 @@ def engine_out(name, share, climbs):
     return np.array(rows[round(FAILS / T) :]), schedule.at(seen["h"], seen["vc"]).envelope.vc_min
 
 
-def engines(names):
+def main(names):
     """The table of failed engines."""
     lines = [ENGINES]
     for name in names or aircraft_names():
@@ -102,4 +102,4 @@ def engines(names):
 
 
 if __name__ == "__main__":
-    engines(sys.argv[2:])
+    main(sys.argv[1:])
