@@ -495,14 +495,16 @@ def modes_counts():
     models = [row["aircraft"] for row in read_table("fleet-modes") if row["doublet error"]]
     without = [name for name in notes if name not in {*untrimmed, *models}]
     lines = [
-        f"- **No level flight or glide:** {len(untrimmed)} aircraft.",
-        f"- **No linear model:** {', '.join(without)}.",
+        "| | aircraft |",
+        "|---|---|",
+        f"| no level flight or glide | {len(untrimmed)} |",
+        f"| no linear model | {', '.join(without)} |",
     ]
-    kinds = {"Elevator": ["elevator"], "Aileron or rudder": ["aileron", "rudder"]}
-    for kind, inputs in (kinds | {"Throttle": ["throttle"]}).items():
+    kinds = {"elevator": ["elevator"], "aileron or rudder": ["aileron", "rudder"]}
+    for kind, inputs in (kinds | {"throttle": ["throttle"]}).items():
         refused = re.compile(rf"to ({'|'.join(inputs)}) is not linear")
         names = [name for name in models if refused.search(notes[name])]
-        lines.append(f"- **{kind} not linear:** {', '.join(names)}.")
+        lines.append(f"| {kind} not linear | {', '.join(names)} |")
     return "\n".join(lines)
 
 

@@ -49,7 +49,7 @@ FAST = files(
 # which does not read them
 DEEP = files(
     "design",
-    check_cases="f16",
+    check_cases="check_cases f16",
     control="disturbances holds schedules sensor_actuator",
     core="attributes copies ends_of_steps random_diagrams running sampling wiring",
     daveml="daveml",
@@ -58,10 +58,10 @@ DEEP = files(
     flight="checkpoint engines fleet flightgear forked from_outside integrators_and_planet life "
     "newton property_ports recording reset scripts sealed setup_acts",
     guidance="climbs gains_of_autopilots landing navigation protection",
-    linear="diagrams governed_propellers laws_at_limits margins model modes plots_of_models servos",
+    linear="diagrams every_block governed_propellers laws_at_limits margins model modes plots_of_models servos",
     pathview="access committed convert export first_run hosted_editor layout needless_refusals "
-    "roundtrip strangers trust whole_scripts",
-    studies="aircraft_report batch batch_seeds branch performance resume sweep",
+    "positions roundtrip strangers trust whole_scripts",
+    studies="aircraft_report batch batch_seeds branch performance published resume sweep",
     tracks="odd_inputs",
     wind="turbulence",
     _="bad_input claims conventions extreme_numbers gym host import physical_bounds plots "
