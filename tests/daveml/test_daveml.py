@@ -5,6 +5,7 @@ import random
 import re
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,40 +18,7 @@ from pathsim_jsbsim_blocks.daveml import DaveModel, elements
 from pathsim_jsbsim_blocks.errors import DaveMLError, FileError
 
 # numbers of a wing written for this test: lift with a stall, drag, elevator
-WING = """<?xml version="1.0"?>
-<!DOCTYPE DAVEfunc SYSTEM "http://127.0.0.1:9/DAVEfunc.dtd">
-<DAVEfunc xmlns="http://daveml.org/2010/DAVEML">
-  <fileHeader name="wing"/>
-  <variableDef name="lift" varID="CL" units="nd" sign="up" maxValue="1.4">
-    <calculation><math xmlns="http://www.w3.org/1998/Math/MathML">
-      <apply><plus/><ci>CL0</ci><apply><times/><cn>0.01</cn><ci>el</ci></apply></apply>
-    </math></calculation>
-    <isOutput/>
-  </variableDef>
-  <variableDef name="angleOfAttack" varID="alpha" units="deg"><isInput/></variableDef>
-  <variableDef name="elevator" varID="el" units="deg" initialValue="0" minValue="-25"
-    maxValue="25"><isInput/></variableDef>
-  <variableDef name="table" varID="CL0" units="nd"/>
-  <variableDef name="area" varID="S" units="ft2" initialValue="16.2"><isOutput/></variableDef>
-  <breakpointDef bpID="A"><bpVals>-10, 0 <!-- deg --> 10
-    15</bpVals></breakpointDef>
-  <function name="lift curve">
-    <independentVarRef varID="alpha"/><dependentVarRef varID="CL0"/>
-    <functionDefn><griddedTableDef><breakpointRefs><bpRef bpID="A"/></breakpointRefs>
-      <dataTable>-0.7,.3 , 1.3 1e0</dataTable></griddedTableDef></functionDefn>
-  </function>
-  <checkData>
-    <staticShot name="cruise">
-      <checkInputs><signal><signalName>angleOfAttack</signalName><signalUnits>deg</signalUnits>
-        <signalValue>5</signalValue></signal></checkInputs>
-      <internalValues><signal><varID>CL0</varID><signalValue>0.8</signalValue></signal>
-      </internalValues>
-      <checkOutputs><signal><signalName>lift</signalName><signalValue>0.80004</signalValue>
-        <tol>5e-5</tol></signal></checkOutputs>
-    </staticShot>
-  </checkData>
-</DAVEfunc>
-"""
+WING = (Path(__file__).parents[1] / "data" / "wing.dml").read_text(encoding="utf-8")
 
 
 def written(folder, text, name="model.dml"):
