@@ -38,8 +38,6 @@ def blocks(page, language):
 def _in_an_empty_directory(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     plt.switch_backend("agg")
-    yield
-    plt.close("all")
 
 
 FIVE = ("damped_oscillator", "step_response", "van_der_pol", "elevator_doublet", "pitch_hold")

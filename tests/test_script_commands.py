@@ -16,8 +16,6 @@ from pathsim_jsbsim_blocks.cli import main
 def _in_an_empty_directory(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     plt.switch_backend("agg")
-    yield
-    plt.close("all")
 
 
 def columns(file):

@@ -1,7 +1,9 @@
 """Conversions against printed factors, and the block in a diagram."""
 
+import csv
 import itertools
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,34 +15,10 @@ from pathsim_jsbsim_blocks._core.units import UNITS
 from pathsim_jsbsim_blocks.units import conversion, convert
 
 # NIST SP 811 (2008), appendix B.8, as printed there: seven digits, or exact
-PRINTED = {
-    ("ft", "m"): 3.048e-1,
-    ("in", "m"): 2.54e-2,
-    ("nmi", "m"): 1.852e3,
-    ("mi", "m"): 1.609344e3,
-    ("kt", "m/s"): 5.144444e-1,
-    ("ft/s", "m/s"): 3.048e-1,
-    ("ft/min", "m/s"): 5.08e-3,
-    ("mph", "m/s"): 4.4704e-1,
-    ("km/h", "m/s"): 2.777778e-1,
-    ("ft/s2", "m/s2"): 3.048e-1,
-    ("g", "m/s2"): 9.80665,
-    ("deg", "rad"): 1.745329e-2,
-    ("deg/s", "rad/s"): 1.745329e-2,
-    ("rpm", "rad/s"): 1.047198e-1,
-    ("lb", "kg"): 4.5359237e-1,
-    ("slug", "kg"): 1.459390e1,
-    ("lbf", "N"): 4.448222,
-    ("ft*lbf", "N*m"): 1.355818,
-    ("hp", "W"): 7.456999e2,
-    ("psf", "Pa"): 4.788026e1,
-    ("psi", "Pa"): 6.894757e3,
-    ("slug/ft3", "kg/m3"): 5.153788e2,
-    ("min", "s"): 60.0,
-    ("h", "s"): 3600.0,
-    # slug times foot squared
-    ("slug*ft2", "kg*m2"): 1.459390e1 * 0.3048**2,
-}
+with (Path(__file__).parent / "data" / "nist_sp811.csv").open(newline="") as _file:
+    PRINTED = {(x["unit"], x["in"]): float(x["factor"]) for x in csv.DictReader(_file)}
+# slug times foot squared
+PRINTED["slug*ft2", "kg*m2"] = 1.459390e1 * 0.3048**2
 
 
 @pytest.mark.parametrize(("source", "target"), PRINTED)

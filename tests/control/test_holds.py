@@ -10,9 +10,9 @@ import pytest
 from flights import POINTS, T, fly, on, start, step, until, wrap
 from how_many import first
 from pathsim import Connection, Simulation
-from pathsim.blocks import Adder, Scope, Source
+from pathsim.blocks import Scope
 
-from pathsim_jsbsim_blocks import PitchHold, YawDamper
+from pathsim_jsbsim_blocks import PitchHold
 
 AIRCRAFT = list(POINTS)
 PITCH = {"pitch_mode": on, "roll_mode": on, "speed_off": on}
@@ -144,32 +144,6 @@ def test_no_command_jumps_at_engagement(name, condition, modes):
         # engaged with default references, the flight continues unchanged
         for angle in ("theta", "phi"):
             assert np.max(np.abs(flight[angle] - flight[angle][k])) < 0.15
-
-
-def dutch_roll(gains):
-    """Damping ratio of the sideslip after a rudder pulse, from its first three extremes."""
-    plane, scope, damper, total = start("c172p"), Scope(), YawDamper(gains), Adder("++")
-    pulse = Source(lambda t: 0.2 * (1.0 < t + T / 2 < 1.5))
-    connections = [
-        Connection(plane["beta"], scope),
-        Connection(plane["r"], damper["r"]),
-        Connection(damper, total[0]),
-        Connection(pulse, total[1]),
-        Connection(total, plane["rudder"]),
-    ]
-    Simulation([plane, scope, pulse, damper, total], connections, dt=T, log=False).run(10.0)
-    t, (beta,) = scope.read()
-    beta = beta[t > 1.5]
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(beta))))[:3] + 1
-    swing = np.abs(np.diff(beta[turns]))
-    decrement = np.log(swing[0] / swing[1])
-    return decrement / np.hypot(np.pi, decrement)
-
-
-def test_yaw_damper_doubles_the_damping_of_the_dutch_roll():
-    bare, damped = dutch_roll({"K": 0.0}), dutch_roll("c172p")
-    assert 0.1 < bare < 0.25
-    assert damped > 2.0 * bare
 
 
 def test_references_and_gains_change_in_flight():

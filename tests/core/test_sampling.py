@@ -53,16 +53,13 @@ class Count(SampledPlant):
 
     def __init__(self, T=T):
         super().__init__(T)
-        self.latched, self.interrupt = [], None
+        self.latched = []
         self.start_from([0.0])
 
     def latch(self, t):
         return values(self.inputs)
 
     def advance(self, index, u):
-        if self.interrupt == index:
-            self.interrupt = None
-            raise KeyboardInterrupt
         self.latched.append((index, u[0]))
         return [float(index)]
 
@@ -187,15 +184,16 @@ def looked_at(diagram):
     sim.run(0.5)
 
 
-def interrupted(diagram):
-    diagram.plant.interrupt = 5
-    with pytest.raises(KeyboardInterrupt):
-        diagram.sim.run(1.0)
-    assert diagram.plant.samples == 4
-    diagram.sim.run(1.0 - diagram.sim.time)
+@pytest.mark.parametrize("flown", [whole, pieces, looked_at], ids=lambda f: f.__name__)
+@pytest.mark.parametrize("options", DIAGRAMS.values(), ids=DIAGRAMS)
+def test_samples_are_those_of_the_instants(options, flown):
+    diagram = Diagram(**options)
+    flown(diagram)
+    diagram.check()
 
 
-def with_a_state_for_a_while(diagram):
+def test_samples_go_on_with_a_state_for_a_while():
+    diagram = Diagram()
     sim, plant = diagram.sim, diagram.plant
     sim.run(0.3)
     sim.add_block(integrator := Integrator())
@@ -206,23 +204,6 @@ def with_a_state_for_a_while(diagram):
     sim.remove_connection(sim.connections[-1])
     sim.remove_block(integrator)
     sim.run(0.4)
-
-
-@pytest.mark.parametrize("flown", [whole, pieces, looked_at], ids=lambda f: f.__name__)
-@pytest.mark.parametrize("options", DIAGRAMS.values(), ids=DIAGRAMS)
-def test_samples_are_those_of_the_instants(options, flown):
-    diagram = Diagram(**options)
-    flown(diagram)
-    diagram.check()
-
-
-@pytest.mark.parametrize("options", [{}, {"states": 1}, {"depth": 1}], ids=str)
-@pytest.mark.parametrize("flown", [interrupted, with_a_state_for_a_while])
-def test_samples_go_on_after_an_interrupt_and_a_change(options, flown):
-    if flown is with_a_state_for_a_while and options:
-        options = {"dt": T}
-    diagram = Diagram(**options)
-    flown(diagram)
     diagram.check()
 
 

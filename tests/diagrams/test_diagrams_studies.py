@@ -66,13 +66,6 @@ def compare_climb(diagram, table):
     np.testing.assert_allclose(gamma, table["flight-path/gamma-deg"], **SAME)
 
 
-def test_scheduled_climb_begins_as_the_loop():
-    diagram = load_diagram("scheduled_climb")
-    fly(diagram.sim, 20.0)
-    table = pd.read_csv(DATA / "10_climb_scheduled_trim.csv")
-    compare_climb(diagram, table[table.t_s <= 20.0])
-
-
 @pytest.mark.long
 def test_scheduled_climb():
     diagram = load_diagram("scheduled_climb")

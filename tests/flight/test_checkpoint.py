@@ -25,7 +25,7 @@ T = 1 / 120
 def test_an_aircraft_refuses_and_leaves_no_file(tmp_path):
     plane = Aircraft("c172p", altitude=5000, speed=90)
     sim = Simulation([plane], dt=plane.T, log=False)
-    with pytest.raises(ParameterError) as error:
+    with pytest.raises(ParameterError, match=r"studies\.branch") as error:
         sim.save_checkpoint(str(tmp_path / "stop"))
     assert (error.value.parameter, error.value.value) == ("checkpoint", "Aircraft_0")
     assert list(tmp_path.iterdir()) == []

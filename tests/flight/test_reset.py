@@ -66,18 +66,6 @@ def test_fuel_burnt_is_back_after_a_reset():
     assert np.array_equal(flown(scope), first)
 
 
-def test_what_was_written_by_hand_is_forgotten():
-    plane = Aircraft("c172p", altitude=5000, speed=90)
-    scope, sim = wire(plane, Aircraft.output_port_labels)
-    sim.run(2.0)
-    first = flown(scope)
-    plane.fdm["fcs/flap-cmd-norm"] = 1.0
-    plane.fdm["atmosphere/wind-north-fps"] = 30.0
-    sim.run(2.0)
-    sim.run(2.0, reset=True)
-    assert np.array_equal(flown(scope), first)
-
-
 @pytest.mark.parametrize("states", [0, 1])
 def test_another_simulation_of_the_same_blocks_flies_on(states):
     # as PathSim's own blocks do, when a notebook cell rebuilds the simulation

@@ -50,14 +50,6 @@ def test_the_published_trim_of_the_global5000():
     assert state.cg_x == pytest.approx(790.81419356, rel=1e-11)
 
 
-def test_the_published_hello_world():
-    state = found("c172p", altitude=3000, speed=80, heading=45, solver="jsbsim")
-    assert 100 * state.throttle[0] == pytest.approx(62.157, abs=5e-4)
-    assert 100 * state.pitch_trim == pytest.approx(5.2799, abs=5e-5)
-    assert state.alpha == pytest.approx(2.53, abs=5e-3)
-    assert state.psi == pytest.approx(45.0, abs=1e-6)
-
-
 @pytest.mark.parametrize(
     ("aircraft", "altitude", "speed", "gamma"),
     [

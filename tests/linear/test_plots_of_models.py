@@ -1,7 +1,6 @@
 """Figures of linear models: the right points and curves."""
 
 import control
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from test_modes import LATERAL, model
@@ -14,12 +13,6 @@ from pathsim_jsbsim_blocks.linear import (
     pole_map,
     step_response,
 )
-
-
-@pytest.fixture(autouse=True)
-def _close_figures():
-    yield
-    plt.close("all")
 
 
 def lag(latency=1):

@@ -24,7 +24,7 @@ from pathsim_jsbsim_blocks import (
     PitchHold,
     fly,
 )
-from pathsim_jsbsim_blocks.errors import BranchError, CopyError
+from pathsim_jsbsim_blocks.errors import BranchError
 from pathsim_jsbsim_blocks.pathview.server import Server
 from pathsim_jsbsim_blocks.studies import branch
 
@@ -251,16 +251,6 @@ def test_without_fork_with_sockets_or_beside_a_flight_there_is_no_branch(monkeyp
     with pytest.raises(BranchError, match=r"no os\.fork") as error:
         branch([lambda: 1])
     assert error.value.future is None
-
-
-def test_what_cannot_be_copied_names_branch(tmp_path):
-    import copy
-
-    sim, *_ = in_turbulence()
-    with pytest.raises(CopyError, match=r"studies\.branch"):
-        copy.deepcopy(sim.blocks[0])
-    with pytest.raises(ParameterError, match=r"studies\.branch"):
-        sim.save_checkpoint(str(tmp_path / "stop"))
 
 
 INTERRUPTED = """

@@ -2,15 +2,14 @@
 
 import functools
 import importlib
-import shutil
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
-import jsbsim
 import pandas as pd
 import pytest
+from models_from_outside import changed
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
 from pathsim_jsbsim_blocks.errors import FileError
@@ -189,9 +188,7 @@ def of_a_case(root, options):
 
 @pytest.mark.parametrize("study", [of_a_sweep, of_a_script, of_an_argument, of_a_case])
 def test_texts_of_a_users_own_models_are_compared(study, tmp_path):
-    source, root = Path(jsbsim.get_default_root_dir()), tmp_path / "models"
-    shutil.copytree(source / "aircraft" / "c172p", root / "aircraft" / "c172p")
-    shutil.copytree(source / "engine", root / "engine")
+    root = Path(changed(tmp_path / "models", "c172p"))
     options = {"jobs": 1, "progress": False, "resume": tmp_path / "kept"}
     table = study(root, options)
     (root / "engine" / "notes.txt").write_text("no model")

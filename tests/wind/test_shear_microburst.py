@@ -103,7 +103,6 @@ def test_a_place_on_the_ellipsoid(lat0, lon0):
     ("make", "parameter"),
     [
         (lambda: WindShear(wind_20ft=-1.0), "wind_20ft"),
-        (lambda: WindShear(direction=math.nan), "direction"),
         (lambda: WindShear(roughness=0.0), "roughness"),
         (lambda: WindShear(roughness=20.0), "roughness"),
         (lambda: WindShear(terrain="high"), "terrain"),
