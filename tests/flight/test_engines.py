@@ -2,7 +2,9 @@
 
 import dataclasses
 import math
+from pathlib import Path
 
+import jsbsim
 import models_from_outside as outside
 import numpy as np
 import pytest
@@ -19,7 +21,8 @@ from pathsim_jsbsim_blocks import (
     TrimError,
 )
 from pathsim_jsbsim_blocks.design import design_gains
-from pathsim_jsbsim_blocks.flight import Airframe, trim
+from pathsim_jsbsim_blocks.flight import Airframe, model_xml, trim
+from pathsim_jsbsim_blocks.flight.model_xml import ModelXml
 from pathsim_jsbsim_blocks.flight.settling import Settling
 from pathsim_jsbsim_blocks.flight.trimming.effects import responses
 
@@ -92,6 +95,19 @@ def test_an_engine_file_that_has_changed_is_read_again(tmp_path):
     assert Airframe("c172x", root=root).engine_list[0].type == "piston"
     outside.electric_single(tmp_path)
     assert Airframe("c172x", root=root).engine_list[0].type == "electric"
+
+
+def test_another_thread_may_read_files_of_the_model_meanwhile(monkeypatch):
+    path = Path(jsbsim.get_default_root_dir(), "aircraft", "c172p", "c172p.xml")
+    xml, stamp = ModelXml.of(path), model_xml._stamp
+
+    def meanwhile(file):
+        xml._stamps[path.with_name("read_meanwhile.xml")] = stamp(path)
+        return stamp(file)
+
+    assert xml.references
+    monkeypatch.setattr(model_xml, "_stamp", meanwhile)
+    assert ModelXml.of(path) is xml
 
 
 @pytest.mark.parametrize(
@@ -502,3 +518,26 @@ def test_a_propeller_that_stops_settles_the_second_time_as_the_first():
         assert sum(steps) < 1000
         steps.clear()
     assert speeds == pytest.approx([0.0, 0.0], abs=0.1)
+
+
+@pytest.mark.parametrize("aircraft", ["c172r", "c172p", "J3Cub", "pa28"])
+def test_an_engine_that_lags_is_not_taken_for_a_light_propeller(aircraft):
+    """While its manifold fills, the changes of a propeller's speed do not show its time constant."""
+    airframe, steps = Airframe(aircraft), []
+    trim(airframe, TrimCondition(altitude=200, speed=70, mode="none"))
+    settling = Settling(airframe, steps.append)
+    settling.start()
+    for throttle in (0.5, 0.1, 1.0, 0.05):
+        airframe.fdm["fcs/throttle-cmd-norm"] = throttle
+        steps.clear()
+        assert settling.settle(1e-8)
+        assert sum(steps) < 250, throttle
+
+
+def test_level_flight_trims_between_two_speeds_that_trim():
+    level = TrimCondition(altitude=200, setup={"propulsion/fuel_freeze": 1}, solver="newton")
+    alphas = [
+        trim(Airframe("c172r"), dataclasses.replace(level, speed=speed), hint=False).alpha
+        for speed in (80.14, 79.34, 78.54)  # KCAS
+    ]
+    assert alphas == pytest.approx([4.14, 4.29, 4.45], abs=0.02)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import re
+import threading
 import xml.etree.ElementTree as ET
 from functools import cached_property
 from pathlib import Path
@@ -42,6 +43,7 @@ _INCHES = {"IN": 1.0, "FT": 12.0, "M": 1 / 0.0254}
 # the models read last; the trees of a large one take some megabytes
 _RECENT: dict[tuple[Path, Path], ModelXml] = {}
 _MODELS = 16
+_ONE_AT_A_TIME = threading.Lock()  # threads load aircraft side by side
 
 
 class Engine(NamedTuple):
@@ -104,13 +106,15 @@ class ModelXml:
     def of(cls, path: Path) -> ModelXml:
         """The files of the model at ``root/aircraft/name/name.xml``, read again after a change."""
         key = path, path.parents[2]
-        xml = _RECENT.pop(key, None)
-        if xml is None or any(_stamp(file) != stamp for file, stamp in xml._stamps.items()):
-            xml = cls(*key)
-        _RECENT[key] = xml
-        if len(_RECENT) > _MODELS:
-            del _RECENT[next(iter(_RECENT))]
-        return xml
+        with _ONE_AT_A_TIME:
+            xml = _RECENT.pop(key, None)
+            # a list: another thread may read a further file of the model meanwhile
+            if xml is None or any(_stamp(file) != stamp for file, stamp in [*xml._stamps.items()]):
+                xml = cls(*key)
+            _RECENT[key] = xml
+            if len(_RECENT) > _MODELS:
+                del _RECENT[next(iter(_RECENT))]
+            return xml
 
     def _tree(self, path: Path) -> ET.Element:
         """The root element of a file."""

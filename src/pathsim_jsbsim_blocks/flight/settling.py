@@ -175,11 +175,9 @@ class Settling:
         """Update the rates of the propellers from two steps, if these are clear."""
         for i, ((x, dx), (y, dy)) in enumerate(zip(previous, slopes, strict=False)):
             if abs(y - x) > _CLEAR * max(abs(y), 1.0):
-                rate = (dx - dy) / (y - x)
-                # a propeller that follows a lagging engine shows the rate of the engine: lower its
-                # rate slowly; beyond a kink of its tables it may seem unstable
-                if rate > 0.0:
-                    self.rates[i] = max(rate, _DECAY * self.rates[i])
+                # a propeller that follows a lagging engine shows the rate of the engine, or seems
+                # unstable, as beyond a kink of its tables: lower its rate slowly
+                self.rates[i] = max((dx - dy) / (y - x), _DECAY * self.rates[i])
 
     @property
     def per_step(self) -> float:
