@@ -10,10 +10,13 @@ import numpy as np
 import pytest
 from fleet_conditions import FLYING
 from how_many import first
-from pathsim import Simulation
+from pathsim import Connection, Simulation
+from pathsim.blocks import Scope
+from pathsim.solvers import RK4
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
+    DoubletSource,
     JSBSimFDM,
     LinearAircraft,
     LinearisationError,
@@ -512,12 +515,6 @@ def test_python_control_takes_it_with_its_delay(order):
 
 
 def test_the_block_flies_beside_the_aircraft():
-    from pathsim import Connection, Simulation
-    from pathsim.blocks import Scope
-    from pathsim.solvers import RK4
-
-    from pathsim_jsbsim_blocks import DoubletSource
-
     aircraft = plane("737")
     linear = LinearModelBlock(aircraft.linear_model())
     source = DoubletSource(amplitude=0.03, start=0.5, width=1.0)

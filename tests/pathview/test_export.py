@@ -3,6 +3,7 @@
 import json
 import random
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -276,62 +277,16 @@ def test_files_that_an_export_cannot_read_or_write_stay_as_they_are(saved, tmp_p
 # values -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("before", "late", "value"),
-    [
-        ("laws = {'f': lambda: 1.0}\n_ = laws.__setitem__('f', lambda: 2.0)", "laws['f']()", 2.0),
-        (
-            "from dataclasses import dataclass\n@dataclass\nclass C:\n    k: float = 1.0\nc = C()\n_ = setattr(c, 'k', 9.0)",
-            "c.k",
-            9.0,
-        ),
-        ("normal = np.random.normal", "normal(t, 0.0)", 7.0),
-        ("import random\ndraw, gauss = random.random, random.gauss", "gauss(t, 0 * draw())", 7.0),
-        ("laws = [lambda t: -t]\n_ = laws.__setitem__(0, lambda t: +t)", "laws[0](t)", 7.0),
-        ("laws = [lambda: max((1, 2)), lambda: max((1, 3))]", "laws[1]() - laws[0]()", 1.0),
-        (
-            "def counter():\n    n = 0\n    def up():\n        nonlocal n\n        n += 1\n"
-            "        return n\n    return up\nup = counter()\nup()",
-            "up()",
-            2.0,
-        ),
-        ("class C:\n    k = 3.0\n    def f(self, t):\n        return self.k\n", "C().f(t)", 3.0),
-        ("def parent():\n    return len(__file__) * 0 + 4.0", "parent()", 4.0),
-        ("import argparse\nargs = argparse.Namespace(gain=1.5)", "args.gain", 1.5),
-        ("from functools import lru_cache\n@lru_cache\ndef f(x):\n    return 2 * x", "f(4)", 8),
-        ("from functools import partial\nf = partial(max, 3.0)", "f(1.0)", 3.0),
-        ("from collections import deque\nq = deque([1.0, 2.0], 3)", "q[1] + q.maxlen", 5.0),
-        ("from enum import Enum\nclass M(Enum):\n    A = 1\nm = M.A", "m.value", 1.0),
-        ("rng = np.random.default_rng(3)\nrng.normal()", "rng.normal() * 0 + 1", 1.0),
-        ("events = 6.0", "events", 6.0),
-        ("from collections import namedtuple\nP = namedtuple('P', 'x')\np = P(2.0)", "p.x", 2.0),
-        ("class C:\n    @classmethod\n    def k(cls):\n        return 2.0\nc = C()", "c.k()", 2.0),
-        ("k = [2.0]\nif __name__ != '__main__':\n    k.append(3.0)", "sum(k)", 2.0),
-        (
-            "def build(index, make, self):\n    return make\nf = build(1, make=len, self=2)",
-            "f('ab')",
-            2,
-        ),
-        (
-            "class Law:\n    def __call__(self, t):\n        return self.k * t\n    k = float(2)\n"
-            "law = Law()",
-            "law(t)",
-            14.0,
-        ),
-        ("k = [1.0]\ndef more(x):\n    k.append(x)\nmore(5)", "sum(k)", 6.0),
-        ("table = []\nfor i in range(4):\n    table.append(2.0 * i)", "table[3]", 6.0),
-        (
-            "from pathsim_jsbsim_blocks import TrimCondition\nwhere = TrimCondition(speed=90)",
-            "where.speed",
-            90.0,
-        ),
-    ],
-)
-def test_what_functions_need_is_written_as_it_is_when_the_run_begins(before, late, value, written):
+VALUES = (Path(__file__).parents[1] / "data" / "exported_values.txt").read_text(encoding="utf-8")
+VALUES = re.findall(r"^## (.+) -> (.+)\n((?:(?!## ).*\n)*)", VALUES, re.M)
+
+
+@pytest.mark.parametrize(("late", "value", "before"), VALUES)
+def test_what_functions_need_is_written_as_it_is_when_the_run_begins(late, value, before, written):
     model = written(script(f"a = Source(lambda t: {late})", before=before))
     there = {"np": np, "__name__": "pathview", "__file__": "model"}
     exec(code(model), there)
-    assert eval(node(model, "a")["params"]["func"], there)(7.0) == value
+    assert eval(node(model, "a")["params"]["func"], there)(7.0) == float(value)
 
 
 def test_comments_above_and_beside_definitions_stay(written):
