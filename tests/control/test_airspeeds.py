@@ -54,18 +54,6 @@ def test_a_gust_is_taken_out_above_a_tenth_of_a_radian_per_second(omega):
     assert found == pytest.approx(expected, rel=0.03)
 
 
-def test_the_limits_are_those_about_the_measured_airspeed_and_the_state_has_none():
-    law = ComplementaryAirspeed(T)
-    level = {"nx": 0.1, "nz": 1.0, "alpha": 3.0, "beta": 0.0, "theta": 3.0, "phi": 0.1, "vt": 160.0}
-    speeds = 70.0, 97.0, 107.0, 120.0
-    assert [law.sample(100.0, vc, **level)[0] for vc in speeds] == [100.0] * 4
-    assert [law.within(100.0, vc) for vc in speeds] == [74.0, 100.0, 100.0, 112.0]
-    # an acceleration of 32.174 (0.1 cos(3 deg) - sin(3 deg)) ft/s2 less that of the weight, 0 here
-    _, state = law.sample(100.0, 70.0, **level)
-    forward = 32.174 * (0.1 * math.cos(math.radians(3.0)) - math.sin(math.radians(3.0)))
-    assert state - 100.0 == pytest.approx(T * (forward * 70.0 / 160.0 - 3.0), abs=1e-4)
-
-
 @pytest.mark.parametrize("missing", ["nx", "nz", "alpha", "theta", "phi", "vt"])
 def test_without_a_signal_it_is_the_measured_airspeed(missing):
     level = {"nx": 0.1, "nz": 1.0, "alpha": 3.0, "beta": 0.0, "theta": 3.0, "phi": 0.1, "vt": 160.0}

@@ -202,16 +202,6 @@ def test_both_limits_move_at_once():
         assert scope.read()[1][0, -1] == pytest.approx(min(limits.values(), key=abs))
 
 
-def test_of_what_is_set_at_once_all_or_none_counts():
-    pid = DiscretePID(Kp=5.0)
-    with pytest.raises(ParameterError) as error:
-        pid.set(Kp=7.0, low=2.0)
-    assert error.value.parameter == "low"
-    assert (pid.Kp, pid.low) == (5.0, -1.0)
-    # 5 times an error of 0.1
-    assert pid.law([0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], pid.initial_state())[0] == [0.5]
-
-
 @pytest.mark.parametrize("gains", [{"Kp": 2.0}, {"Kp": 2.0, "Ki": 0.5}, {"Kp": 2.0, "b": 0.5}])
 def test_the_block_starts_as_the_textbook_says(gains):
     # a constant error of 1 - 0.25: proportional part at once, integral from 0 on

@@ -189,7 +189,7 @@ def test_a_refused_linearisation_leaves_all_blocks_as_they_were(kind, depth):
     square.inputs[0] = 7.0
     square.update(0.0)
     assert square.outputs[0] == 49.0
-    with pytest.raises(LinearizationError):
+    with pytest.raises(LinearizationError, match="to_statespace gives the linear model"):
         refusing.linearize(0.0)
 
 

@@ -108,15 +108,6 @@ def test_a_law_at_its_limit_has_no_slope():
     assert not D.any()
 
 
-def test_a_diagram_with_a_flying_aircraft_is_not_replaced():
-    sim, aircraft, _, _ = pitch_loop()
-    with pytest.raises(LinearizationError, match="to_statespace gives the linear model"):
-        sim.linearize()
-    sim.delinearize()
-    sim.run(0.1)
-    assert aircraft.samples == 12
-
-
 def test_without_a_model_pathsims_own_error_says_why():
     aircraft = Aircraft("c172p", altitude=0, mode="ground")
     constant = Constant(0.0)
