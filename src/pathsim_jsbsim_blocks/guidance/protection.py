@@ -210,6 +210,21 @@ class Protection:
         highest, boost = (max(highest, lowest, trade), boost) if moving else (math.inf, 0.0)
         return Allowed(theta_max, theta_min, highest, gentle, boost, vc_min, vc_max, feed), state
 
+    def _excess(
+        self, state: ProtectionState, excess: float, full_throttle: bool
+    ) -> tuple[float, float]:
+        """Rates of climb in ft/s that full throttle sustains, and that the present one does."""
+        if not self.flies_envelope:
+            return 0.0, 0.0
+        climb_max = self.limits.climb_max
+        # limited, because a gust changes the airspeed faster than thrust and drag can
+        excess = clip(excess, -self.limits.descent_max, climb_max)
+        available, measured = climb_max, excess
+        if state.v != 0.0:
+            available, measured = state.available, state.measured
+        available += self._adapt * ((excess if full_throttle else climb_max) - available)
+        return available, measured + self._adapt * (excess - measured)
+
     def _filtered(
         self,
         state: ProtectionState,
@@ -243,17 +258,7 @@ class Protection:
             climb = state.climb + slow * (hdot - state.climb)
             level = state.level + slow * (level - state.level)
 
-        available = measured = 0.0
-        if self.flies_envelope:
-            climb_max = self.limits.climb_max
-            # limited, because a gust changes the airspeed faster than thrust and drag can
-            excess = clip(hdot + v * acceleration / GRAVITY, -self.limits.descent_max, climb_max)
-            available, measured = climb_max, excess
-            if moving:
-                available, measured = state.available, state.measured
-            available += self._adapt * ((excess if full_throttle else climb_max) - available)
-            measured += self._adapt * (excess - measured)
-
+        available, measured = self._excess(state, hdot + v * acceleration / GRAVITY, full_throttle)
         load = clip(1.0 + (hdot - climb) / (self.SLOW * GRAVITY), *self.LOADS)
         stop = state.stop + slow * ((1.0 if full_elevator else 0.0) - state.stop)
         reach = min(state.reach + self.RELEARN * self.T, 90.0)
