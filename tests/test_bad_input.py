@@ -375,6 +375,10 @@ ONE = {"altitude": [5000], "speed": [90]}
         (lambda: TrimCondition(engines_off=np.array([[0, 1]])), "engines_off"),
         (lambda: TrimCondition(engines_off=np.array(["a"])), "engines_off"),
         *(
+            (lambda x=x: Aircraft("c172p", speed=90, create=x), "create")
+            for x in (np.array([]), np.array([1.0]), 5)
+        ),
+        *(
             (lambda x=x: Aircraft(altitude=x, condition=LEVEL), "altitude")  # both
             for x in (np.array([1.0, 2.0]), "high", None)
         ),

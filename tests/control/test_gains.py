@@ -16,6 +16,7 @@ from hand_tuned import DESIGNED, GAINS
 
 from pathsim_jsbsim_blocks import (
     AirspeedHold,
+    Autopilot,
     HeadingHold,
     ParameterError,
     PitchHold,
@@ -88,6 +89,7 @@ def test_an_unknown_table_names_the_nearest(hold):
         (RollHold, YawGains(K=0.1), "roll gains must be"),
         (HeadingHold, {"headings": "737", "roll": "737"}, "did you mean 'heading'"),
         (HeadingHold, {"heading": "737"}, "loop missing: roll"),
+        (Autopilot, {"pitch": "737"}, "loop missing: roll, heading"),
         (HeadingHold, PITCH, "there is no loop 'Kp'"),
         (HeadingHold, AttitudeGains(0.1, 0.1), "heading, roll"),
         (PitchHold, {"Kp": "high", "Ki": 0.1}, "Kp must be a number"),

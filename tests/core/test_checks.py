@@ -72,14 +72,6 @@ def test_limits_may_touch_and_be_infinite():
     assert (error.value.parameter, error.value.value) == ("low", 2)
 
 
-def test_lists_of_numbers_take_arrays_and_name_the_bad_element():
-    for value in ([1, 2.5], (1, 2.5), np.array([1, 2.5])):
-        assert checks.numbers("x", value) == [1.0, 2.5]
-    with pytest.raises(ParameterError) as error:
-        checks.numbers("x", [1, "a"])
-    assert error.value.parameter == "x[1]"
-
-
 def test_the_nearest_names_contain_it_are_in_it_or_are_spelt_like_it():
     names = ["attitude/theta-deg", "attitude/phi-deg", "velocities/vt-fps", "ic/theta-deg"]
     # those that contain it, the shortest first

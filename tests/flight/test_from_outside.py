@@ -7,7 +7,6 @@ import tempfile
 from pathlib import Path
 
 import jsbsim
-import numpy as np
 import pytest
 from models_from_outside import before, changed
 
@@ -248,20 +247,6 @@ def test_without_a_folder_for_temporary_files_a_moved_centre_of_gravity_is_refus
     monkeypatch.setattr(tempfile, "tempdir", "/nonexistent")
     with pytest.raises(FileError):
         Aircraft("c172p", condition=TrimCondition(speed=90, empty_cg_x=41.0))
-
-
-@pytest.mark.parametrize("value", [np.array([]), np.array([1.0]), ["a/b"], 5])
-def test_what_is_created_is_a_dict(value):
-    with pytest.raises(ParameterError) as error:
-        Aircraft("c172p", speed=90, create=value)
-    assert error.value.parameter == "create"
-
-
-@pytest.mark.parametrize("names", [np.array("elevator"), "elevator", 3])
-def test_inputs_of_a_linear_model_are_a_list(names):
-    with pytest.raises(ParameterError) as error:
-        Aircraft("c172p", speed=90).linear_model(inputs=names)
-    assert error.value.parameter == "inputs"
 
 
 _ELSEWHERE = """

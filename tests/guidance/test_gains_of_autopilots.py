@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,18 +20,6 @@ from pathsim_jsbsim_blocks import (
 )
 from pathsim_jsbsim_blocks.control.gains import DesignPoint, GainSchedule
 from pathsim_jsbsim_blocks.flight import level_flight
-
-
-@pytest.mark.parametrize(
-    ("gains", "words"),
-    [
-        ({"pitch": "737"}, "loop missing: roll, heading"),
-        (Path("mine.json"), "did you mean 'mine.json'"),
-    ],
-)
-def test_what_gains_of_an_autopilot_cannot_be(gains, words):
-    with pytest.raises(ParameterError, match=words):
-        Autopilot(gains=gains)
 
 
 @pytest.mark.parametrize("hold", [AltitudeHold, Autopilot, GlideslopeHold])

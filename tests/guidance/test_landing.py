@@ -511,16 +511,6 @@ def test_in_the_roll_out_a_gust_is_no_stall():
     assert abs(outputs["elevator"]) < 0.1
 
 
-def test_on_the_wheels_the_rudder_of_the_approach_is_left_out():
-    # the yaw damper's, whose sideslip integral has wound up to its limit
-    rolls = {"h_agl": 4.0, "wow": 1.0, "vc": 60.0, "rudder": 0.6, "alpha": 2.0}
-    rows = [rolls | {"loc_dist": 9e3 - 0.85 * k, "loc_ft": 3.0} for k in range(240)]
-    outputs = sampled(FlareHold("c172p"), *rows)
-    # 3 ft right of the line: rudder and nose wheel to the left
-    assert 0.0 < outputs["rudder"] < 0.2
-    assert outputs["steering"] == pytest.approx(-outputs["rudder"])
-
-
 @pytest.mark.parametrize(("speed", "brakes"), [(40.0, 1.0), (10.0, 0.5), (0.0, 0.0), (-5.0, 0.0)])
 def test_brakes_ease_to_none_at_the_standstill(speed, brakes):
     rolls = {"h_agl": 4.0, "wow": 1.0, "theta": -1.0, "alpha": 2.0}

@@ -373,6 +373,8 @@ def test_flightgear_sees_none_of_the_pulses():
         ({"inputs": ["elevatr"]}, "inputs"),
         ({"outputs": ["q", "q"]}, "outputs"),
         ({"inputs": "elevator"}, "inputs"),
+        ({"inputs": np.array("elevator")}, "inputs"),
+        ({"inputs": 3}, "inputs"),
         ({"amplitude": {"elevatr": 1e-3}}, "amplitude"),
         ({"amplitude": {"elevator": -1}}, "amplitude['elevator']"),
         ({"method": "algebraic", "amplitude": {"elevator": 1e-3}}, "amplitude"),
