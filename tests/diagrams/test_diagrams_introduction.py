@@ -2,16 +2,9 @@
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from test_diagrams_flight import flown
 
-from pathsim_jsbsim_blocks import fly
-from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.plots import signal
-
-
-def flown(name):
-    module = load_diagram(name)
-    fly(module.sim, module.DURATION)
-    return module
 
 
 def test_damped_oscillator():
