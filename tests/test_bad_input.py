@@ -141,6 +141,12 @@ def test_an_error_carries_what_is_at_fault_and_the_nearest_right_name(keywords, 
         assert offered in error.nearest or not offered
 
 
+def test_an_aircraft_in_the_place_of_the_sample_period_is_recognised():
+    with pytest.raises(ParameterError, match=re.escape("aircraft_model='pa28'")) as error:
+        JSBSimFDM("pa28")
+    assert (error.value.parameter, error.value.value) == ("T", "pa28")
+
+
 def test_a_model_that_lacks_a_property_names_it():
     with pytest.raises(AircraftError) as error:
         fdm(aircraft_model="L17")

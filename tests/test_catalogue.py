@@ -147,7 +147,8 @@ def test_run_is_what_python_does_and_saves_what_it_draws_and_records(run, tmp_pa
 
 def test_run_says_that_there_is_nothing_to_save(run, capsys):
     assert run("", signals=None) == 1
-    assert "no figure was shown" in capsys.readouterr().err
+    assert "no figure was shown" in (err := capsys.readouterr().err)
+    assert "plots.time_histories(scope)" in err
     assert run("", figure=None) == 1
     assert "no simulation" in capsys.readouterr().err
 

@@ -110,6 +110,11 @@ def test_what_cannot_be_drawn_is_refused(call, parameter, scope):
     assert parameter != "label" or "did you mean" in str(error.value)
 
 
+def test_what_is_not_a_scope_is_named_by_its_type():
+    with pytest.raises(ParameterError, match="not Simulation"):
+        time_histories(Simulation([Scope()], log=False))
+
+
 def test_ground_track_is_in_longitude_and_latitude_with_its_ends_marked():
     time = np.linspace(0, 10, 11)
     figure = ground_track(time, 60.0 + time / 60, 10.0 + time / 60)

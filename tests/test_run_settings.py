@@ -124,7 +124,11 @@ def test_a_script_that_runs_nothing_is_told(script, options, status, said, tmp_p
     assert bool(errors) == bool(said)
 
 
-@pytest.mark.parametrize("run", ["sim.run(3.0)", "fly(sim, 3.0)"])
+# as in a model whose duration was changed in PathView: its code still has the constant
+UNREAD = "DURATION = 9.0; sim.run(3.0)"
+
+
+@pytest.mark.parametrize("run", ["sim.run(3.0)", "fly(sim, 3.0)", UNREAD])
 def test_the_run_of_a_users_script_takes_the_duration(run, tmp_path):
     (tmp_path / "own.py").write_text(USERS.format(run=run))
     options = ["--set", "slope=4", "--csv", "x.csv"]

@@ -367,7 +367,10 @@ def saving_to(path: str | Path) -> Iterator[None]:
     finally:
         _save_to.pop()
     if next(targets) == path:
-        refuse("save", str(path), f"no figure was shown that could be saved as {str(path)!r}")
+        advice = '; plots.show(plots.time_histories(scope), "flight") shows one'
+        refuse(
+            "save", str(path), f"no figure was shown that could be saved as {str(path)!r}{advice}"
+        )
 
 
 def _label(scope: Scope, i: int) -> tuple[str, str]:

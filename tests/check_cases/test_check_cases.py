@@ -271,6 +271,8 @@ def test_the_command_prints_tables_and_saves_figures(tmp_path, capsys):
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert main(["check", "2", "6", "--integrators", "default"]) == 1
     assert "1 of 2 cases pass" in capsys.readouterr().out
+    assert main(["check", "1", "--rate", "0"]) == 1
+    assert "rate must be at least 10, not 0" in capsys.readouterr().err
     assert main(["check", "17"]) == 1
     assert "case must be one of 1, 2" in capsys.readouterr().err
     # the name of a diagram

@@ -361,6 +361,8 @@ def test_inputs_and_files_that_are_not_there(tmp_path):
         with pytest.raises(FileError) as error:
             DaveModel(path)
         assert error.value.path == str(path)
+    with pytest.raises(FileError, match=r"did you mean 'f16_aero\.dml'"):
+        DaveModel("f16_aero")
     for bad in (None, "a\0b", "x" * 5000):
         with pytest.raises(BlocksError):
             DaveModel(bad)

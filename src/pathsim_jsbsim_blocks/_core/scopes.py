@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import reprlib
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +18,7 @@ def recording(scope: Scope) -> tuple[np.ndarray, np.ndarray]:
     from pathsim.blocks import Scope  # imported late: a trim does not need PathSim
 
     if not isinstance(scope, Scope):
-        refuse("scope", scope, f"scope must be a Scope or recorder, not {reprlib.repr(scope)}")
+        refuse("scope", scope, f"scope must be a Scope or recorder, not {type(scope).__name__}")
     time, data = scope.read()
     if time is None:
         refuse("scope", scope, "the scope has no recording: run the simulation first")

@@ -147,7 +147,7 @@ def check(args: argparse.Namespace) -> int:
     rates: list[int] = []
     with saving_figures(args.save):
         for case in cases:
-            rates.append(args.rate or (200 if case > 10 else 100))
+            rates.append((200 if case > 10 else 100) if args.rate is None else args.rate)
             scopes = fly_case(case, rates[-1], args.integrators)
             deviations = compare(case, *scopes)
             passes += all(d.passes for d in deviations)

@@ -97,7 +97,10 @@ def read_elements(file: Any) -> Element:
         with path.open("rb") as file:
             content = file.read(_MOST_BYTES + 1)
     except OSError as error:
-        raise FileError("read", path, error) from None
+        close = ""
+        if isinstance(error, FileNotFoundError):
+            close = did_you_mean(nearest(path.name, sorted(os.listdir(_MODELS))))
+        raise FileError("read", path, error, close) from None
     if len(content) > _MOST_BYTES:
         raise DaveMLError(f"larger than {_MOST_BYTES / 1e6:g} MB", path=path)
     return _parsed(content, path)

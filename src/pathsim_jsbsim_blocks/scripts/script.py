@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+from .names import used
 from .settings import Settings
 
 # stay in the script's namespace: its functions also call them later; not names of methods, which
@@ -51,8 +52,8 @@ class Script:
         self._code = compile(tree, str(path), "exec", dont_inherit=True)
 
     def has_constant(self, name: str) -> bool:
-        """Whether the script assigns a variable at its top level."""
-        return name in self._settings.assigned
+        """Whether the script assigns a variable at its top level, and reads it."""
+        return name in self._settings.assigned and name in used(self.tree)
 
     def load(self) -> types.ModuleType:
         """Import the script as a separate module; errors are those of `run`."""
