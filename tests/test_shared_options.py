@@ -38,7 +38,7 @@ REFUSED = {
     "--wind-east": ("inf", "wind_east must be finite"),
     "--latitude": ("91", "latitude must lie in [-90, 90], not 91"),
     "--longitude": ("nan", "longitude must be finite"),
-    "--engines-off": ("9", "engines_off=(9,): aircraft 'c172p' has engine 0"),
+    "--engines-off": ("9", "engines_off=(9,): aircraft 'c172p' has 1 engine, numbered from 0"),
     "--solver": ("newtn", "did you mean 'newton'?"),
     "--gear": ("2", "gear must lie in [0, 1], not 2"),
     "--jobs": ("0", "jobs must be"),

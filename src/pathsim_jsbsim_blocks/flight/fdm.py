@@ -190,8 +190,7 @@ class JSBSimFDM(FlightBlock):
 
     def _begin(self) -> None:
         if isinstance(self.T, str):  # `Aircraft` takes the aircraft first
-            why = "the first parameter of JSBSimFDM is T, the sample period"
-            refuse("T", self.T, f"{why}; name the aircraft: aircraft_model={self.T!r}")
+            refuse("T", self.T, f"the first parameter is T, in s: aircraft_model={self.T!r}?")
         if self.script is not None and positive("T", self.T) == _DEFAULT_T:
             self.T = self._period(self.script, self.substeps)
         super()._begin()

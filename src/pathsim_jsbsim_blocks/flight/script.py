@@ -206,8 +206,7 @@ def script_file(script: object, root: str | None, inputs: Iterable[str] = ()) ->
         places = {p.stem: p.relative_to(folder).as_posix() for p in folder.glob("scripts/*.xml")}
         places |= {p.stem: str(p) for p in name.parent.glob("*.xml") if p.is_file()}
         close = did_you_mean(places[stem] for stem in nearest(name.stem, places))
-        why = f"no script {str(script)!r}, neither here nor below {folder}{close}"
-        refuse("script", str(script), why)
+        refuse("script", str(script), f"no script {str(script)!r} here or below {folder}{close}")
     file = StartFile(path, _parsed("script", path, "runscript"), inputs=inputs)
     try:
         model = ModelFile(file.aircraft, root)

@@ -120,8 +120,7 @@ def engines_off(
     off = engines if condition.engines_off == "all" else set(condition.engines_off)
     if not off <= engines:
         why = f"engines_off={condition.engines_off!r}: aircraft {airframe.aircraft!r} has "
-        names = "no engine" if not engines else "engine 0"
-        why += f"engines 0 to {max(engines)}" if len(engines) > 1 else names
+        why += f"{len(engines)} engine{'s' * (len(engines) != 1)}, numbered from 0"
         refuse("engines_off", condition.engines_off, why)
     for name, value in settings.items():
         number = ENGINE_RUNS.fullmatch(name)
