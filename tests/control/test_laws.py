@@ -28,6 +28,8 @@ from equations import (
     seen,
     wander,
 )
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant
 from scipy.signal import lfilter
 
 from pathsim_jsbsim_blocks import (
@@ -229,3 +231,14 @@ def test_a_wire_beyond_the_last_input_changes_nothing(hold):
     assert block.law([*u, 9.0, 9.0], state) == expected
     _, state = expected
     assert block.law([*u, 9.0], state) == block.law(u, state)
+
+
+@pytest.mark.filterwarnings("ignore:.*(unconnected inputs|not connected)")
+@pytest.mark.parametrize("hold", HOLDS.values())
+def test_nan_at_any_port_is_nan_at_every_output(hold):
+    # a limit that is NaN limits nothing: with NaN at alpha the aircraft stalled
+    for port in hold.input_port_labels:
+        block, sick = hold(), Constant(math.nan)
+        wire = Connection(sick, block[port])
+        Simulation([sick, block], [wire], dt=block.T, log=False).run(3 * block.T)
+        assert np.isnan(block.outputs.to_array()).all(), port

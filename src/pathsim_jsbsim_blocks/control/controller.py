@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 from .._core.callers import warn_user
 from .._core.checks import must_be, number, one_of
 from .._core.docstrings import filler
+from .._core.pathsim_internals import values
 from .._core.sampling import SampledLaw
 from .gain_tables import loop_gains, named, schedule_of
 from .loops import HeadingLoop, Reference, ReferenceLoop, attitude_loop
@@ -109,6 +111,8 @@ class Hold(SampledLaw):
     A subclass has its initial state as ``START``. `build` makes its loops, and passes those that
     follow a gain schedule to `follows`; `law` calls `retune` before it uses them.
 
+    While any input is NaN all outputs are, also if the hold is off: the aircraft ends the flight.
+
     A warning is given once for an increment close to the measured value, such as 4500 on ``h_ref``
     at 5000 ft: it is probably meant as an absolute value.
     """
@@ -122,6 +126,13 @@ class Hold(SampledLaw):
 
     def initial_state(self) -> Any:
         return self.START
+
+    def _act(self, t: float) -> tuple[int, Any, Any]:
+        index, y, state = super()._act(t)
+        if math.isnan(sum(values(self.inputs))):
+            # limits that are not numbers would limit nothing
+            y = [math.nan] * len(y)
+        return index, y, state
 
     def gains_of(self, *names: str) -> tuple[Any, ...]:
         """Gains of the loops; of a schedule those of the nominal point."""
