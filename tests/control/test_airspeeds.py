@@ -59,3 +59,5 @@ def test_without_a_signal_it_is_the_measured_airspeed(missing):
     level = {"nx": 0.1, "nz": 1.0, "alpha": 3.0, "beta": 0.0, "theta": 3.0, "phi": 0.1, "vt": 160.0}
     law = ComplementaryAirspeed(T)
     assert law.sample(80.0, 70.0, **level | {missing: 0.0}) == (70.0, law.START)
+    measured = law.sample(80.0, 70.0, **level | {missing: 0.0}, connected=True)
+    assert (measured != (70.0, law.START)) == (missing != "vt")

@@ -23,6 +23,7 @@ from pathsim_jsbsim_blocks import (
     Autopilot,
     GlideslopeHold,
     RollHold,
+    Sensor,
     TrimCondition,
     TrimError,
 )
@@ -42,6 +43,21 @@ def fly(plane, seconds, ports, **parameters):
 
 def limits(name):
     return GAINS[name].envelope
+
+
+def test_an_angle_of_attack_that_measures_0_is_connected():
+    # rounded to 2 deg it is 0 for most of this dive, which then reached 386 KCAS
+    plane, pilot = start("737", altitude=12_000.0, speed=325.0), Autopilot("737", theta_ref=-15.0)
+    mode, vane, scope = Constant(1.0), Sensor(quantum=2.0), Scope(labels=["vc", "alpha"])
+    ports = [p for p in STATES if p in pilot.input_port_labels and p != "alpha"]
+    wires = [Connection(plane[p], pilot[p]) for p in ports]
+    wires += [Connection(pilot[p], plane[p]) for p in ("elevator", "aileron", "rudder", "throttle")]
+    wires += [Connection(mode, pilot["pitch_mode"]), Connection(plane["vc"], scope[0])]
+    wires += [Connection(plane["alpha"], vane), Connection(vane, pilot["alpha"], scope[1])]
+    Simulation([plane, pilot, mode, vane, scope], wires, dt=plane.T, log=False).run(25.0)
+    vc, alpha = scope.read()[1]
+    assert np.mean(alpha == 0.0) > 0.5
+    assert np.max(vc) < limits("737").vmo
 
 
 @pytest.mark.parametrize(

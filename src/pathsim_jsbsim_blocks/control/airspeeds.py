@@ -45,6 +45,7 @@ class ComplementaryAirspeed:
 
     START = 0.0  # kt; 0 before the first sample
 
+    SIGNALS = frozenset({"nx", "nz", "alpha", "theta", "phi", "vt"})
     TIME = 10.0  # time constant tau, s; gusts last 7 to 12 s
     ABOVE, BELOW = 4.0, 8.0  # limits about the measured airspeed, kt
 
@@ -62,12 +63,13 @@ class ComplementaryAirspeed:
         theta: float,
         phi: float,
         vt: float,
+        connected: bool = False,
     ) -> tuple[float, float]:
         """Airspeed in kt, not yet `within` its limits, and next state; from kt, g, deg, and ft/s.
 
-        If any signal but ``beta`` is 0 (not connected), it is the measured airspeed.
+        If any of the `SIGNALS` is 0 and not all are ``connected``, it is the measured airspeed.
         """
-        if 0.0 in (nx, nz, alpha, theta, phi, vt):
+        if vt == 0.0 or (not connected and 0.0 in (nx, nz, alpha, theta, phi)):
             return vc, self.START
         airspeed = state or vc
         alpha, beta, theta, phi = (math.radians(x) for x in (alpha, beta, theta, phi))

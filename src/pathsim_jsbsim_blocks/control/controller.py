@@ -111,8 +111,6 @@ class Hold(SampledLaw):
     A subclass has its initial state as ``START``. `build` makes its loops, and passes those that
     follow a gain schedule to `follows`; `law` calls `retune` before it uses them.
 
-    While any input is NaN all outputs are, also if the hold is off: the aircraft ends the flight.
-
     A warning is given once for an increment close to the measured value, such as 4500 on ``h_ref``
     at 5000 ft: it is probably meant as an absolute value.
     """
@@ -129,10 +127,9 @@ class Hold(SampledLaw):
 
     def _act(self, t: float) -> tuple[int, Any, Any]:
         index, y, state = super()._act(t)
-        if math.isnan(sum(values(self.inputs))):
-            # limits that are not numbers would limit nothing
-            y = [math.nan] * len(y)
-        return index, y, state
+        # a limit that is NaN would limit nothing
+        is_nan = math.isnan(sum(values(self.inputs)))
+        return index, [math.nan] * len(y) if is_nan else y, state
 
     def gains_of(self, *names: str) -> tuple[Any, ...]:
         """Gains of the loops; of a schedule those of the nominal point."""
@@ -191,6 +188,10 @@ class Hold(SampledLaw):
                     *(value, unit, port, measured + value, unit),
                 )
         return getattr(self._checked, port), value
+
+    def sensed(self, port: str, value: float) -> float | None:
+        """The value at a port, or None if it is not connected: only a wire can measure 0."""
+        return value if value != 0.0 or port in self.inputs.wired else None
 
     def _warn_once(self, about: str, text: str, *values: Any) -> None:
         # called at each sample, so format the text only for a new warning

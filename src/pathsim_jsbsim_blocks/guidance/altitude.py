@@ -93,7 +93,7 @@ class AltitudeHold(GuidedHold):
         h, hdot, theta, q, h_ref, off, elev_sat, vc, alpha = u[:9]
         self.retune(vc, h)
         vertical, idle = self.vertical, off != 0.0
-        motion = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
+        motion = Motion(theta, q, h, hdot, vc, self.sensed("alpha", alpha), idle, elev_sat)
         bounds, guard = vertical.guard(state, motion, vc, full_throttle=True)
         reference = self.wanted("h_ref", h_ref, h)
         target, hdot_cmd, altitude, _ = vertical.for_climb(

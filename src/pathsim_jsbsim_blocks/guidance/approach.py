@@ -308,7 +308,7 @@ class GlideslopeHold(GuidedHold):
             degrees, ft = above_path(height, dist + self._foot, self._checked.angle)
 
         vertical, loops, idle = self.vertical, state.vertical, off != 0.0
-        motion = Motion(theta, q, h, hdot, vc, alpha, idle, elev_sat)
+        motion = Motion(theta, q, h, hdot, vc, self.sensed("alpha", alpha), idle, elev_sat)
         bounds, guard = vertical.guard(loops, motion, vc, full_throttle=True)
         initial, error = vertical.altitude.error(loops.altitude, h, (None, 0.0))
         level = vertical.altitude.climb_rate(error)

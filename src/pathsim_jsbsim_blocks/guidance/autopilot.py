@@ -256,7 +256,7 @@ class Autopilot(GuidedHold):
 
     def law(self, u: list[float], state: AutopilotState) -> tuple[list[float], AutopilotState]:
         port = AutopilotInputs(*u[:32])
-        h, vc, alpha = port.h, port.vc, port.alpha
+        h, vc, alpha = port.h, port.vc, self.sensed("alpha", port.alpha)
         pitching, pitch_off = port.pitch_mode != 0.0, port.pitch_off != 0.0
         self.retune(vc, h)
         vertical, loops = self.vertical, state.vertical
@@ -266,7 +266,9 @@ class Autopilot(GuidedHold):
         on_pitch = mode == 2.0 and not captured and not pitch_off
 
         inertial, next_airspeed = self.airspeed.sample(
-            state.airspeed, vc, port.nx, port.nz, alpha, port.beta, port.theta, port.phi, port.vt
+            *(state.airspeed, vc, port.nx, port.nz, port.alpha),
+            *(port.beta, port.theta, port.phi, port.vt),
+            connected=self.inputs.wired >= ComplementaryAirspeed.SIGNALS,
         )
         airspeed = self.airspeed.within(inertial, vc)
         # a held pitch angle has no commanded rate of climb

@@ -90,7 +90,7 @@ class FlareInputs(NamedTuple):
     height: float  # height of the wheels
     hdot: float
     theta: float
-    alpha: float
+    alpha: float | None
     psi: float
     r: float
     vc: float
@@ -272,7 +272,8 @@ class FlareHold(GuidedHold):
         self.retune(vc)
         beam, *_ = state.beam.next(ft, dist, self.clock.period, 0.5)
         height, switches = h - self._checked.gear_height, (wow != 0.0, go_around != 0.0, off != 0.0)
-        port = FlareInputs(height, hdot, theta, alpha, psi, r, vc, approach, *switches)
+        incidence = self.sensed("alpha", alpha)
+        port = FlareInputs(height, hdot, theta, incidence, psi, r, vc, approach, *switches)
         last_phase = state.phase
         state = self._in_air(self._phase(state._replace(beam=beam), port), port)
         if last_phase == APPROACH:
@@ -282,7 +283,7 @@ class FlareHold(GuidedHold):
         slow = state.phase == GO_AROUND and port.down and state.v < state.v_ref
         rolls = state.phase == ROLL_OUT or slow
 
-        vertical, motion = self.vertical, Motion(theta, q, h, hdot, vc, alpha)
+        vertical, motion = self.vertical, Motion(theta, q, h, hdot, vc, incidence)
         bounds, guard = vertical.guard(state.vertical, motion, 0.0, full_throttle=True)
         if rolls and port.down:
             # on the wheels the angle of attack is that of the ground attitude
@@ -349,7 +350,7 @@ class FlareHold(GuidedHold):
         acceleration = state.acceleration
         acceleration += -math.expm1(-T / _TREND) * (change / T - acceleration)
         gust = 0.0
-        if port.alpha != 0.0:
+        if port.alpha is not None:
             # rate of climb through the air less rate of climb
             sink = v / DEGREES * (port.theta - port.alpha) - port.hdot
             gain = 1.0 if first else -math.expm1(-T / _GUST)

@@ -19,7 +19,7 @@ class Motion(NamedTuple):
     h: float  # ft
     hdot: float  # ft/s
     vc: float  # kt
-    alpha: float  # deg, 0 if not connected
+    alpha: float | None  # deg, None if not connected
     off: bool = False  # hold the elevator
     sat: float = 0.0  # elevator increment of the last period less the part applied
 
@@ -57,9 +57,9 @@ class Vertical:
         # keys are the names of gain tables
         self.loops = {"altitude": altitude, "pitch": pitch, "envelope": envelope}
 
-    def protection(self, alpha: float) -> Protection | None:
+    def protection(self, alpha: float | None) -> Protection | None:
         """The protection, if the angle of attack is connected."""
-        return self.envelope if alpha != 0.0 else None
+        return self.envelope if alpha is not None else None
 
     def guard(
         self,
@@ -72,13 +72,12 @@ class Vertical:
         if self.envelope and self.envelope.flies_envelope:
             sink = self.envelope.limits.descent_max
             self.altitude.descend(sink, true_airspeed(motion.vc, motion.h))
-        protection = self.protection(motion.alpha)
-        if not protection:
+        if motion.alpha is None or self.envelope is None:
             return NO_LIMITS, state.guard
         # positive elevator is nose down, so these are the nose-up limits
         stop = not motion.off and (motion.sat < 0.0 or state.pitch.law.u >= self.pitch.pid.high)
         measured = motion.theta, motion.alpha, motion.h, motion.hdot, vc
-        return protection.sample(state.guard, *measured, stop, **signals, cut=state.altitude.cut)
+        return self.envelope.sample(state.guard, *measured, stop, **signals, cut=state.altitude.cut)
 
     def at_rate(
         self,

@@ -189,7 +189,8 @@ class AirspeedHold(Hold):
     def law(self, u: list[float], state: AirspeedState) -> tuple[list[float], AirspeedState]:
         vc, hdot, vc_ref, off, thr_sat, hdot_cmd, *motion = u[:13]
         self.retune(vc)
-        inertial, next_airspeed = self.airspeed.sample(state.airspeed, vc, *motion)
+        wired = self.inputs.wired >= ComplementaryAirspeed.SIGNALS
+        inertial, next_airspeed = self.airspeed.sample(state.airspeed, vc, *motion, connected=wired)
         airspeed = self.airspeed.within(inertial, vc)
         climb = hdot if hdot_cmd == 0.0 or not state.speed.law.has_slope else state.climb
         target, keeps = self.speed.loop.towards(
