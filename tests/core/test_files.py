@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pathsim_jsbsim_blocks import ParameterError
-from pathsim_jsbsim_blocks._core.files import replacing, writable, write_whole
+from pathsim_jsbsim_blocks._core.files import ending, replacing, writable, write_whole
 from pathsim_jsbsim_blocks.errors import FileError
 
 
@@ -86,3 +86,12 @@ def test_no_file_can_be_written_there(tmp_path):
         with pytest.raises(ParameterError) as error:
             writable("file", path)
         assert (error.value.parameter, error.value.value) == ("file", str(path))
+
+
+def test_another_ending_is_refused_with_the_nearest_one(tmp_path):
+    path = tmp_path / "gains.jsn"
+    with pytest.raises(
+        ParameterError, match=r"must end in \.json or \.csv, not 'gains\.jsn'.*gains\.json'"
+    ):
+        ending("file", path, ".json", ".csv")
+    assert ending("file", path.with_suffix(".CSV"), ".json", ".csv").suffix == ".CSV"
