@@ -63,6 +63,7 @@ class ComplementaryAirspeed:
         theta: float,
         phi: float,
         vt: float,
+        *,
         connected: bool = False,
     ) -> tuple[float, float]:
         """Airspeed in kt, not yet `within` its limits, and next state; from kt, g, deg, and ft/s.
