@@ -15,6 +15,7 @@ from .._core.pathsim_internals import port_names
 from .block import FlightBlock, Read, Write
 from .channels import Channel, unit_of
 from .flightgear import address
+from .model_files import aircraft_names
 from .script import StartFile, reset_file, script_file
 from .trimming.condition import Mode, TrimCondition
 
@@ -189,7 +190,8 @@ class JSBSimFDM(FlightBlock):
     _solver = "jsbsim"
 
     def _begin(self) -> None:
-        if isinstance(self.T, str):  # `Aircraft` takes the aircraft first
+        # `Aircraft` takes the aircraft first
+        if isinstance(self.T, str) and self.T in aircraft_names(self.root):
             refuse("T", self.T, f"the first parameter is T, in s: aircraft_model={self.T!r}?")
         if self.script is not None and positive("T", self.T) == _DEFAULT_T:
             self.T = self._period(self.script, self.substeps)
