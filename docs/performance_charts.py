@@ -4,7 +4,7 @@
 
 writes the table of each of these aircraft (default: all that trim) that is not yet there as CSV
 into FOLDER, a PDF page of it into docs/evidence/performance, and its row of the evidence page; the
-other rows stay. One core works; two in two folders take half the time. The fleet takes an hour.
+other rows stay. One core works; two in two folders take half the time. The fleet takes hours.
 """
 
 import re
@@ -70,11 +70,10 @@ that are missing, with their reasons; a star marks one whose search ended early 
 {flown} values were flown. The median difference of an aircraft is at most {median:.2g} %.
 
 Rows of commit `5f9e2668e` have not been checked against
-[physics](../performance.md#limits-of-a-chart). In them the pc7 stalls more slowly at some larger
-weights, and the p51d climbs with the throttle closed; the thrust of the c310 and the fokker50 and
-the lift limit of the Camel are irregular.
+[physics](../performance.md#limits-of-a-chart). The p51d climbs with the throttle closed at
+altitude: these values are hollow.
 
-`python docs/performance_charts.py FOLDER` makes all pages and the table, in an hour. The charts
+`python docs/performance_charts.py FOLDER` makes all pages and the table, in hours. The charts
 of each aircraft on one page (PDF):
 
 """
