@@ -51,6 +51,7 @@ def smoothed(pole, x):
 
 def laws(block, **wires):
     """Outputs of the block's law by port, over whole signals; what is not wired is 0."""
+    block.inputs.wired.update(wires)
     state, out = block.initial_state(), []
     for k in range(N):
         u = [float(wires[name][k]) if name in wires else 0.0 for name in block.input_port_labels]

@@ -212,6 +212,19 @@ def test_yaw_damper(wires, gains, limit):
     assert_same(laws(block, **wires, beta=beta), {"rudder": u}, (-limit, limit))
 
 
+def test_a_sideslip_that_measures_0_is_connected():
+    # the integral that cancels the bank at engagement keeps its value, and fades without a sensor
+    ports = {"phi": NOTHING + 10.0, "p": NOTHING, "r": NOTHING}
+    gains = {"K": 0.02, "tau": 1.5, "Ki": 0.05, "Kbank": -0.004}
+    held, faded = (
+        laws(YawDamper(gains=gains, T=T), **ports, **beta)["rudder"]
+        for beta in ({"beta": NOTHING}, {})
+    )
+    assert not held.any()
+    turn = -0.004 * math.degrees(math.sin(math.radians(10.0)))
+    assert faded[-1] == pytest.approx(turn * -math.expm1(-T * (N - 1) / 1.5), rel=1e-9)
+
+
 def test_without_gain_or_sideslip_the_rudder_stays(wires):
     on = {name: x for name, x in wires.items() if name != "off"}
     assert not laws(YawDamper(gains={"K": 0.0}, T=T), **wires)["rudder"].any()

@@ -318,6 +318,14 @@ def test_no_descent_below_100_ft_above_the_ground():
     assert 90.0 < np.min(record["h"]) < 130.0
 
 
+@pytest.mark.parametrize("height", [0.0, -3.0])
+def test_a_height_that_measures_0_is_connected(height):
+    # a ridge, as a sensor measures it: 100 ft above it are approached at 10 % per second
+    plane = Aircraft("c172p", altitude=2000.0, speed=90.0, T=T, substeps=2)
+    record = fly(plane, 20.0, {"h_ref": step(-500.0), "h_agl": lambda t: height}, T=T)
+    assert record["h"][-1] > 2050.0
+
+
 def test_descents_take_what_the_aircraft_has():
     # 1.9 ft/s, the climb that the engine has left there
     plane = Aircraft("c182", altitude=7700.0, speed=93.0, T=T, substeps=2)

@@ -316,23 +316,27 @@ class YawLoop:
         state: YawState,
         r: float,
         off: bool,
-        beta: float,
+        beta: float | None,
         p: float,
         phi: float,
     ) -> tuple[float, YawState]:
-        """Rudder increment and next state, from rates in deg/s and angles in deg."""
+        """Rudder increment and next state, from rates in deg/s and angles in deg.
+
+        Without the sideslip, ``beta`` None, the integral decays.
+        """
         gains = self.gains
         engaged, slow, u, integral = state
+        sideslip = 0.0 if beta is None else beta
         if off:
             u *= self._fade
             return u, YawState(u=u)
         turn = gains.Kroll * p + gains.Kbank * DEGREES * math.sin(RADIANS * phi)
         if not engaged:
             slow = r - u / gains.K if gains.K else r
-            integral = gains.Kp * beta - turn
-        v = gains.K * (r - slow) - (gains.Kp * beta - integral) + turn
+            integral = gains.Kp * sideslip - turn
+        v = gains.K * (r - slow) - (gains.Kp * sideslip - integral) + turn
         u = clip(v, self.low, self.high)
-        if gains.Ki == 0.0 or beta == 0.0:
+        if gains.Ki == 0.0 or beta is None:
             integral *= self._fade
         else:
             change = -gains.Ki * self.T * beta

@@ -286,7 +286,7 @@ class Autopilot(GuidedHold):
             vc_cmd=vc_cmd,
             hold_pitch=pitching,
             phi=port.phi,
-            h_agl=port.h_agl,
+            h_agl=self.sensed("h_agl", port.h_agl),
             eases=mode == 0.0 or captured,
             airspeed=inertial,
         )
@@ -302,7 +302,8 @@ class Autopilot(GuidedHold):
         )
         aileron, phi_cmd, lateral = self._ailerons(state.lateral, port, bounds, protection, guard)
         rudder, yaw = self.yaw.sample(
-            state.yaw, port.r, port.yaw_off != 0.0, port.beta, port.p, port.phi
+            *(state.yaw, port.r, port.yaw_off != 0.0),
+            *(self.sensed("beta", port.beta), port.p, port.phi),
         )
         outputs = [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd]
         state = AutopilotState(

@@ -151,7 +151,7 @@ class Protection:
         vc_cmd: float | None = None,
         hold_pitch: bool = False,
         phi: float = 0.0,
-        h_agl: float = 0.0,
+        h_agl: float | None = None,
         eases: bool = False,
         *,
         airspeed: float | None = None,
@@ -165,7 +165,7 @@ class Protection:
         ``eases`` reduces a descent to keep the airspeed; ``cut`` is the last commanded rate of
         climb less the allowed one. ``airspeed`` is that without gusts, kt, and ``vc`` by default:
         the energy and the priority of ``vc_cmd`` follow it, the limits of the airspeed ``vc``. A
-        ``vc`` or ``h_agl`` of 0 (not connected) sets no limit.
+        ``vc`` of 0 or a ``h_agl`` of None (not connected) sets no limit.
         """
         per_knot, stops = true_airspeed(1.0, h), (full_elevator, full_throttle)
         airspeed = vc if airspeed is None else airspeed
@@ -182,7 +182,7 @@ class Protection:
         stiffness = self.DECAY * v / GRAVITY
         spare = stiffness * (v - self.DESCENT_FORCED_BELOW * slowest)
         steady = max(state.measured + spare, -self.limits.descent_max)
-        height = h_agl if h_agl > 0.0 else math.inf
+        height = math.inf if h_agl is None else h_agl
         floor = self.DECAY * (self.CLEARANCE - height)
         trade = max(floor, min(self.DECAY * (self.TRADED - height), 0.0))
         highest, boost, feed, limit = steady, 0.0, 0.0, fastest

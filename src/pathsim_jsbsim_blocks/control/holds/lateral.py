@@ -220,5 +220,5 @@ class YawDamper(Hold):
     def law(self, u: list[float], state: YawState) -> tuple[list[float], YawState]:
         r, off, beta, vc, p, phi = u[:6]
         self.retune(vc)
-        rudder, state = self.yaw.sample(state, r, off != 0.0, beta, p, phi)
+        rudder, state = self.yaw.sample(state, r, off != 0.0, self.sensed("beta", beta), p, phi)
         return [rudder], state

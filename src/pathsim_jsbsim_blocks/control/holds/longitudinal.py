@@ -144,7 +144,8 @@ class AirspeedHold(Hold):
     thr_sat
         ``Aircraft`` output of that name, for anti-windup at idle and full throttle
     hdot_cmd
-        commanded rate of climb in ft/s, of the hold that moves the elevator
+        commanded rate of climb in ft/s, of the hold that moves the elevator; 0, as of a hold that
+        is off, is no command
     nx, nz
         load factors, g
     alpha, beta
