@@ -385,6 +385,19 @@ def test_aircraft_lists_all_bundled_models(capsys):
     assert any(line.startswith("blank ") and "cannot load" in line for line in lines)
 
 
+def test_a_folder_without_models_or_with_other_names_is_told(tmp_path, capsys):
+    folder = tmp_path / "aircraft" / "X8_FixedWing"
+    folder.mkdir(parents=True)
+    (folder / "X8.xml").write_text("<fdm_config/>")
+    root = ["--root", str(tmp_path)]
+    assert main(["aircraft", *root]) == 1
+    assert "no models in" in capsys.readouterr().err
+    assert main(["aircraft", "X8_FixedWing", *root]) == 1
+    assert "its folder has X8.xml, not X8_FixedWing.xml" in capsys.readouterr().err
+    assert main(["aircraft", "X9", *root]) == 1
+    assert capsys.readouterr().err.endswith("among the 0 models in " + str(folder.parent) + "\n")
+
+
 def test_modes_are_printed_with_their_levels(tmp_path, capsys):
     arguments = ["c172p", "--speed", "90", "--method", "algebraic", "--class", "I"]
     saved, figure = tmp_path / "model.json", tmp_path / "poles.png"

@@ -95,7 +95,8 @@ def test_a_new_speed_says_once_that_it_acts_at_the_next_reset():
         plane.set(speed=105, altitude=4000)
         plane.heading = 30
     assert [str(w.message) for w in caught] == [
-        "plane.speed = 110 acts at the next reset: sim.reset() or sim.run(..., reset=True)"
+        "plane.speed = 110 acts at the next reset: sim.reset(), sim.run(..., reset=True), "
+        "or Run in PathView"
     ]
     assert caught[0].filename == __file__
     fly(sim, 0.1)

@@ -285,6 +285,8 @@ def test_a_misspelt_attribute_is_refused_and_a_free_one_is_not():
         assert error.value.parameter == name
         assert f"did you mean {close!r}" in str(error.value)
         assert not hasattr(hold, name)
+    with pytest.raises(ParameterError, match="no parameter 'elevator': 'elevator' is a port"):
+        hold.elevator = 7.0
     for name in ("note", "speed_log", "name", "number", "color", "_theta_rf", "alpha_f"):
         setattr(hold, name, 1)
         setattr(hold, name, 2)

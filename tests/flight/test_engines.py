@@ -534,6 +534,17 @@ def test_an_engine_that_lags_is_not_taken_for_a_light_propeller(aircraft):
         assert sum(steps) < 250, throttle
 
 
+def test_a_propeller_that_creeps_stands():
+    """The stopped engine of the p51d turns by 1e-4 rpm per s, and sticks again at 0.04 rpm."""
+    airframe, steps = Airframe("p51d"), []
+    trim(airframe, TrimCondition(altitude=1000, speed=103, mode="glide"))
+    settling = Settling(airframe, steps.append)
+    settling.start()
+    assert settling.settle()
+    assert sum(steps) < 1000
+    assert airframe.fdm["propulsion/engine/propeller-rpm"] == pytest.approx(0.0, abs=0.1)
+
+
 def test_level_flight_trims_between_two_speeds_that_trim():
     level = TrimCondition(altitude=200, setup={"propulsion/fuel_freeze": 1}, solver="newton")
     alphas = [

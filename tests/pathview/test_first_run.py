@@ -227,6 +227,13 @@ sys.stdout = None
     assert not marker.exists()  # nothing runs after the first run
 
 
+def test_a_function_that_fails_in_the_run_is_named_by_its_line(saved):
+    path = saved(script(f"{BLOCK}\ns = Source(lambda t: 0.0 if t < 0.1 else 1 / 0)", names="a, s"))
+    with pytest.raises(DiagramError, match="the script fails: ZeroDivisionError") as caught:
+        export_script(path)
+    assert (caught.value.path, caught.value.line) == (str(path), 9)
+
+
 def test_a_comparison_that_ends_before_the_run_says_so(saved):
     path = saved(HEAD + LOOP + "sim.run(10)")
     with pytest.warns(

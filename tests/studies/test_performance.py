@@ -1,5 +1,6 @@
 """Performance charts: values against plain JSBSim loops and printed formulas; bad input."""
 
+import dataclasses
 import functools
 import importlib
 import math
@@ -13,6 +14,7 @@ from plain_jsbsim import open_fdm
 from pathsim_jsbsim_blocks import ParameterError, TrimCondition, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
+from pathsim_jsbsim_blocks.studies.flight_tests import Plane
 
 NO_GROUND = {"ic/terrain-elevation-ft": -5000.0}
 
@@ -87,6 +89,18 @@ def test_stall_is_that_of_a_plain_deceleration():
     knots = math.sqrt(1.0 / (n / q).max() / 0.5 / 0.0023769) / 1.68781
     assert row.value == pytest.approx(knots, rel=0.01)
     assert row.flown == pytest.approx(row.value, rel=0.01)
+
+
+def test_a_pull_that_does_not_stall_has_no_flown_stall_speed():
+    # half the elevator: the lift of the unstalled flight is not the maximum lift
+    task = {"aircraft": "sgs126", "root": None, "create": None, "weight": None, "flaps": 0.0}
+    plane = Plane(task | {"altitude": 0.0})
+    slow = plane.slowest()
+    start = plane.glide(1.15 * slow.speed)
+    elevator = 0.5 * (start.pitch_trim + start.elevator - slow.pitch_trim + slow.elevator)
+    weak = dataclasses.replace(slow, elevator=elevator)
+    assert plane.lift_flown(start, slow, 10.0) == pytest.approx(1.0, rel=0.02)
+    assert plane.lift_flown(start, weak, 10.0) is None
 
 
 def test_an_airliner_with_full_flaps_stalls_by_its_weight():

@@ -152,7 +152,8 @@ class Parametric(Block):
         names = [*self._parameters(), *self._ipython_key_completions_()]
         close = difflib.get_close_matches(name, names, 1, _TYPO)
         if close and not name.startswith("_") and name not in self._parameters():
-            message = f"{type(self).__name__} has no parameter {name!r}{did_you_mean(close)}"
+            hint = f": {name!r} is a port" if name in close else did_you_mean(close)
+            message = f"{type(self).__name__} has no parameter {name!r}{hint}"
             raise KeywordError(message, parameter=name, value=value)
 
     def _change(self, values: dict[str, Any]) -> None:

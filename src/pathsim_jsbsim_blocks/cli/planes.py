@@ -28,6 +28,7 @@ from .arguments import (
     setup_and_model,
     switch,
 )
+from .console import tell
 from .saving import check_file, saving_figures
 
 if TYPE_CHECKING:
@@ -54,7 +55,10 @@ def aircraft(args: argparse.Namespace) -> int:
         report = aircraft_report(args.name, setup=setup, **model)
         print(report)
         return int(not report.loads)
-    for name in aircraft_names(args.root):
+    names = aircraft_names(args.root)
+    if not names:
+        tell(f"no models in {args.root}: a model is aircraft/NAME/NAME.xml")
+    for name in names:
         try:
             airframe = Airframe(name, root=args.root, create=created(args))
             airframe.run_ic()
@@ -62,7 +66,7 @@ def aircraft(args: argparse.Namespace) -> int:
             print(f"{name:<14} loads, {n} engine{'' if n == 1 else 's'}")
         except BlocksError as error:
             print(f"{name:<14} {error}")
-    return 0
+    return int(not names)
 
 
 @command(
@@ -258,7 +262,7 @@ def gains(args: argparse.Namespace) -> int:
     if args.altitude is not None or args.speed is not None:
         condition = dataclasses.replace(condition, **middle)
 
-    def tell(result: DesignedGains | Exception) -> None:
+    def show(result: DesignedGains | Exception) -> None:
         if isinstance(result, Exception):
             print(f"pathsim-jsbsim: {result}", file=sys.stderr)
         else:
@@ -266,7 +270,7 @@ def gains(args: argparse.Namespace) -> int:
 
     try:
         model["method"] = args.method
-        gains = design_schedule(args.aircraft, condition, altitudes, speeds, progress=tell, **model)
+        gains = design_schedule(args.aircraft, condition, altitudes, speeds, progress=show, **model)
     except (DesignError, TrimError):  # all conditions failed, which is reported already
         return 1
     if args.save is not None:

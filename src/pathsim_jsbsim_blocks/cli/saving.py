@@ -81,7 +81,7 @@ def _write_csv(path: Path, rate: float | None, scopes: Sequence[Any]) -> None:
     from .._core.scopes import recording, signal_label
 
     if not scopes:
-        refuse("csv", str(path), "the script has no simulation that a Scope recorded")
+        refuse("csv", str(path), "no Scope has recorded a signal")
     columns: list[tuple[str, dict[float, float]]] = []
     for scope in scopes:
         time, data = recording(scope)

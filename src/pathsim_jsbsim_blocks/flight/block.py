@@ -147,7 +147,8 @@ class FlightBlock(Parametric, SampledPlant):
         if not self._warned_of_reset and self._flight_key() != self._flying:
             self._warned_of_reset = True
             changes = ", ".join(f"{name_of(self)}.{n} = {x!r}" for n, x in values.items())
-            warn_user(f"{changes} acts at the next reset: sim.reset() or sim.run(..., reset=True)")
+            how = "sim.reset(), sim.run(..., reset=True), or Run in PathView"
+            warn_user(f"{changes} acts at the next reset: {how}")
 
     def _further(self, ports: Register) -> list[str]:
         """Names of the inputs or outputs after the fixed ones."""

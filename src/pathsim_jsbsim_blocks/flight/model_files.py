@@ -64,6 +64,10 @@ def has_retractable_gear(aircraft: str, root: str | None = None) -> bool:
         return file.xml.retracts
 
 
+def _hint(close: Sequence[str], names: Sequence[str]) -> str:
+    return did_you_mean(close) or ("; pathsim-jsbsim aircraft lists them" if names else "")
+
+
 class ModelFile:
     """The file of one aircraft model below a JSBSim root; AircraftError if there is none."""
 
@@ -85,9 +89,18 @@ class ModelFile:
             close = nearest(aircraft, names)
             raise self.error(
                 f"no aircraft {aircraft!r} among the {len(names)} model{'s' * (len(names) != 1)} "
-                f"in {folder}" + (did_you_mean(close) or "; pathsim-jsbsim aircraft lists them"),
+                f"in {folder}" + (self._otherwise_named() or _hint(close, names)),
                 close,
             )
+
+    def _otherwise_named(self) -> str:
+        """What a folder of the aircraft's name has instead of its file."""
+        folder = self.path.parent
+        with contextlib.suppress(OSError, ValueError):
+            files = sorted(file.name for file in folder.glob("*.[xX][mM][lL]"))
+            if files and Path(self.aircraft).name == self.aircraft:
+                return f": its folder has {' and '.join(files[:3])}, not {self.path.name}"
+        return ""
 
     def error(self, message: str, close: Sequence[str] = ()) -> AircraftError:
         return AircraftError(message, aircraft=self.aircraft, nearest=close)

@@ -32,6 +32,9 @@ _DECAY = 0.7
 # smallest relative change of a speed that reveals its time constant
 _CLEAR = 1e-7
 
+# rpm, and rpm per s, below which a propeller stands, though JSBSim lets it creep
+_STANDS = 1.0
+
 # steps in a row without a change of speed that are a steady state, and maximum steps
 _QUIET = 3
 _STEPS = 6000
@@ -74,7 +77,7 @@ class Settling:
         self.required = bool(speeds or pitches)
         self._speeds = airframe.reader_of(speeds)
         self._pitches = airframe.reader_of(pitches)
-        self._all = airframe.reader_of(speeds + pitches + airframe.of_engines("n1"))
+        self._others = airframe.reader_of(pitches + airframe.of_engines("n1"))
         # 1 / time constant of each propeller, 1/s, at the last clear change
         self.rates = [0.0] * len(speeds)
         self._engines = [int(name.partition("[")[2].partition("]")[0]) for name in speeds]
@@ -131,6 +134,10 @@ class Settling:
         self._limited = cycles
         return self.steady
 
+    def _all(self) -> list[float]:
+        """Speeds, blade angles and n1; a propeller that stands has no speed."""
+        return [x if abs(x) >= _STANDS else 0.0 for x in self._speeds()] + self._others()
+
     def _time_constant(self) -> float:
         """The time constant of the fastest propeller, s, up to the longest step."""
         fastest = max(self.rates, default=0.0)
@@ -161,12 +168,17 @@ class Settling:
                 speeds = new_speeds
                 # the relative change per s
                 pairs = zip(speeds, slopes, strict=True)
-                pace = max(abs(rate) / max(abs(x), 1.0) for x, (_, rate) in pairs)
+                paces = [abs(rate) / max(abs(x), 1.0) for x, (_, rate) in pairs]
+                pace = max(paces)
                 if not math.isfinite(pace):
                     break
                 longest = self._time_constant()
                 # a step too short for a change says nothing
-                quiet = quiet + 1 if pace * dt <= tolerance and dt >= 0.1 * longest else 0
+                moving = [
+                    y for x, y in zip(speeds, paces, strict=True) if max(abs(x), y) >= _STANDS
+                ]
+                is_quiet = max(moving, default=0.0) * dt <= tolerance and dt >= 0.1 * longest
+                quiet = quiet + 1 if is_quiet else 0
                 dt = min(longest, _GROWTH * dt, _LARGE / max(pace, 1e-9))
 
     def _learn(

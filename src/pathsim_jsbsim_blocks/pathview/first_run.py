@@ -91,6 +91,9 @@ class FirstRun(Script):
         self._process = os.getpid()
         self._execute()
         if self._error is not None:
+            # of a function of the diagram, in the run that is compared
+            if self._own_lines(traceback.walk_tb(self._error.__traceback__)):
+                self._refuse_failure(self._error)
             raise self._error
 
     def _execute(self) -> None:

@@ -263,7 +263,8 @@ class Plane:
     def lift_flown(self, start: TrimState | None, limit: TrimState, seconds: float) -> float | None:
         """Maximum lift coefficient in a pull to the limit's elevator, relative to the limit's.
 
-        The pull lasts ``seconds``; only the flight below the limit's angle of attack counts.
+        The pull lasts ``seconds``; only the flight below the limit's angle of attack counts, and
+        none that does not reach it.
         """
         if start is None:
             return None
@@ -272,7 +273,9 @@ class Plane:
         if flight is None:
             return None
         is_stall = flight["alpha"] >= math.radians(limit.alpha)
-        end = max(int(is_stall.argmax()), 1) if is_stall.any() else len(is_stall)
+        if not is_stall.any():
+            return None
+        end = max(int(is_stall.argmax()), 1)
         lift = (_load_factor(flight)[:end] / flight["q"][:end]).max()
         pressure = flight["q"][0] * (limit.tas / flight["v"][0]) ** 2
         pulls = limit.condition.mode == "pull-up"

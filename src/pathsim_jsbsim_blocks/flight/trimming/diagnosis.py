@@ -180,7 +180,8 @@ def _without_effect(airframe: Airframe, effect: Effect) -> str:
         why += ": the model writes it itself"
         why += f", from {', '.join(writers)}" if writers else ""
     elif effect.command == "throttle" and airframe.has_kind("rocket"):
-        why += ": JSBSim's rockets give no thrust while fuel is frozen, as in a trim"
+        why += ": of JSBSim's rockets, a solid one has no throttle, and a liquid one gives no "
+        why += "thrust while fuel is frozen, as in a trim"
     return why
 
 
