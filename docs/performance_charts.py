@@ -4,7 +4,7 @@
 
 writes the table of each of these aircraft (default: all that trim) that is not yet there as CSV
 into FOLDER, a PDF page of it into docs/evidence/performance, and its row of the evidence page; the
-other rows stay. One core works; two in two folders take half the time. The fleet takes hours.
+other rows stay. One core works; two in two folders take half the time. The fleet takes an hour.
 """
 
 import re
@@ -63,17 +63,16 @@ weight, flaps up.
 
 Open circles are values whose search ended early. [All numbers](performance.csv): stall, highest
 level speed, climb, ceiling, glide, range, the steepest sustained turn of six airspeeds, gusts,
-take-off and landing; how many values of an aircraft were flown, the median of the differences, and
-the processor time, which two cores share: `chart` takes half of it. The last column has the values
-that are missing, with their reasons; a star marks one whose search ended early for such a reason.
+take-off and landing; how many values of an aircraft were flown, the median and the largest of the
+differences, and the processor time, which two cores share: `chart` takes half of it. Then come the
+values that are missing, with their reasons; a star marks one whose search ended early for such a
+reason. The last but one column counts the values that `chart` lists as
+[faults](../performance.md#limits-of-a-chart); rows of earlier code lack it.
 
-{flown} values were flown. The median difference of an aircraft is at most {median:.2g} %.
+{flown} values were flown. The median difference of an aircraft is at most {median:.2g} %, the
+largest difference {largest:.0f} % ({farthest}).
 
-Rows of commit `5f9e2668e` have not been checked against
-[physics](../performance.md#limits-of-a-chart). The p51d climbs with the throttle closed at
-altitude: these values are hollow.
-
-`python docs/performance_charts.py FOLDER` makes all pages and the table, in hours. The charts
+`python docs/performance_charts.py FOLDER` makes all pages and the table, in an hour. The charts
 of each aircraft on one page (PDF):
 
 """
@@ -128,16 +127,30 @@ def line(name, table):
             missing.append(f"{quantity} ({reason})")
     differences = table.difference_percent.abs()
     median = f"{differences.median():.2f} %" if differences.count() else ""
-    cells += [f"{differences.count()}", median]
-    cells += [f"{table.seconds.iloc[0]:.0f}"]
-    return f"| {' | '.join([*cells, ', '.join(missing), table.commit.iloc[0]])} |"
+    largest = f"{differences.max():.1f} %" if differences.count() else ""
+    cells += [f"{differences.count()}", median, largest, f"{table.seconds.iloc[0]:.0f}"]
+    cells += [", ".join(missing), f"{table.fault.notna().sum()}", table.commit.iloc[0]]
+    return f"| {' | '.join(cells)} |"
 
 
 def write(tables):
     """Put the rows of these aircraft into the table; the other rows stay."""
-    lines = {r["aircraft"]: f"| {' | '.join(r.values())} |" for r in read_table("performance")}
+    names = [
+        "aircraft",
+        *COLUMNS,
+        "flown",
+        "median",
+        "largest",
+        "time s",
+        "missing",
+        "faults",
+        "commit",
+    ]
+    made = {
+        row["aircraft"]: [row.get(name, "") for name in names] for row in read_table("performance")
+    }
+    lines = {name: f"| {' | '.join(cells)} |" for name, cells in made.items()}
     lines |= {name: line(name, table) for name, table in tables.items()}
-    names = ["aircraft", *COLUMNS, "flown", "median", "time s", "missing", "commit"]
     rows = [lines[name] for name in fleet() if name in lines]
     write_table("performance", "\n".join([f"| {' | '.join(names)} |", *rows]))
 
@@ -147,12 +160,15 @@ def page():
     made = pd.read_csv(EVIDENCE / "performance.csv")
     blank = made[made[[*COLUMNS]].isna().all(axis=1)].set_index("aircraft").missing
     made = made[~made.aircraft.isin(blank.index)]
+    largest = pd.to_numeric(made["largest"].str.rstrip(" %"))
     head = HEAD.format(
         measured=measured("performance"),
         count=len(made),
         all=len(fleet()),
         flown=made.flown.sum(),
         median=pd.to_numeric(made["median"].str.rstrip(" %")).max(),
+        largest=largest.max(),
+        farthest=made.aircraft[largest.idxmax()],
     )
     links = ", ".join(f"[{name}](performance/{name}.pdf)" for name in made.aircraft)
     later = [name for name in fleet() if name not in {*made.aircraft, *blank.index}]
