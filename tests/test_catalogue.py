@@ -150,7 +150,7 @@ def test_run_says_that_there_is_nothing_to_save(run, capsys):
     assert "no figure was shown" in (err := capsys.readouterr().err)
     assert "plots.time_histories(scope)" in err
     assert run("", figure=None) == 1
-    assert "no simulation" in capsys.readouterr().err
+    assert "no Scope has recorded a signal" in capsys.readouterr().err
 
 
 STOPPED = """
