@@ -129,7 +129,7 @@ def line(name, table):
     median = f"{differences.median():.2f} %" if differences.count() else ""
     largest = f"{differences.max():.1f} %" if differences.count() else ""
     cells += [f"{differences.count()}", median, largest, f"{table.seconds.iloc[0]:.0f}"]
-    cells += [", ".join(missing), f"{table.fault.notna().sum()}", table.commit.iloc[0]]
+    cells += [", ".join(missing), f"{(table.fault.fillna('') != '').sum()}", table.commit.iloc[0]]
     return f"| {' | '.join(cells)} |"
 
 
