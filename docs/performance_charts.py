@@ -23,6 +23,7 @@ from matplotlib import pyplot as plt
 from tables import commit, measured, read_table, write_table
 
 from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
+from pathsim_jsbsim_blocks.studies.figures import is_fault
 
 EVIDENCE = Path(__file__).parent / "evidence"
 
@@ -129,28 +130,16 @@ def line(name, table):
     median = f"{differences.median():.2f} %" if differences.count() else ""
     largest = f"{differences.max():.1f} %" if differences.count() else ""
     cells += [f"{differences.count()}", median, largest, f"{table.seconds.iloc[0]:.0f}"]
-    cells += [", ".join(missing), f"{(table.fault.fillna('') != '').sum()}", table.commit.iloc[0]]
+    cells += [", ".join(missing), f"{is_fault(table).sum()}", table.commit.iloc[0]]
     return f"| {' | '.join(cells)} |"
 
 
 def write(tables):
     """Put the rows of these aircraft into the table; the other rows stay."""
-    names = [
-        "aircraft",
-        *COLUMNS,
-        "flown",
-        "median",
-        "largest",
-        "time s",
-        "missing",
-        "faults",
-        "commit",
-    ]
-    made = {
-        row["aircraft"]: [row.get(name, "") for name in names] for row in read_table("performance")
-    }
-    lines = {name: f"| {' | '.join(cells)} |" for name, cells in made.items()}
+    lines = {r["aircraft"]: f"| {' | '.join(r.values())} |" for r in read_table("performance")}
     lines |= {name: line(name, table) for name, table in tables.items()}
+    flights = ("flown", "median", "largest", "time s")
+    names = ["aircraft", *COLUMNS, *flights, "missing", "faults", "commit"]
     rows = [lines[name] for name in fleet() if name in lines]
     write_table("performance", "\n".join([f"| {' | '.join(names)} |", *rows]))
 

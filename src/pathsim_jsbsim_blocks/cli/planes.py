@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import dataclasses
 import math
-import sys
 import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -264,7 +263,7 @@ def gains(args: argparse.Namespace) -> int:
 
     def show(result: DesignedGains | Exception) -> None:
         if isinstance(result, Exception):
-            print(f"pathsim-jsbsim: {result}", file=sys.stderr)
+            tell(str(result))
         else:
             print(f"{result}\n", flush=True)
 

@@ -64,10 +64,6 @@ def has_retractable_gear(aircraft: str, root: str | None = None) -> bool:
         return file.xml.retracts
 
 
-def _hint(close: Sequence[str], names: Sequence[str]) -> str:
-    return did_you_mean(close) or ("; pathsim-jsbsim aircraft lists them" if names else "")
-
-
 class ModelFile:
     """The file of one aircraft model below a JSBSim root; AircraftError if there is none."""
 
@@ -79,28 +75,24 @@ class ModelFile:
         self.aircraft = aircraft = str(aircraft)  # of numpy's strings
         folder = _aircraft_folder(root, aircraft)
         self.path = folder / aircraft / f"{aircraft}.xml"
-        try:
+        exists, names, others = False, list[str](), list[str]()
+        with contextlib.suppress(OSError, ValueError):  # not a valid file name
             # refuse names with a slash, which could lead out of the folder
-            exists = Path(aircraft).name == aircraft and self.path.is_file()
+            is_name = Path(aircraft).name == aircraft
+            exists = is_name and self.path.is_file()
             names = [] if exists else aircraft_names(root)
-        except (OSError, ValueError):  # not a valid file name
-            exists, names = False, []
+            if is_name and not exists:
+                others = sorted(file.name for file in self.path.parent.glob("*.[xX][mM][lL]"))
         if not exists:
             close = nearest(aircraft, names)
+            hint = did_you_mean(close) or ("; pathsim-jsbsim aircraft lists them" if names else "")
+            if others:
+                hint = f": its folder has {' and '.join(others[:3])}, not {self.path.name}"
             raise self.error(
                 f"no aircraft {aircraft!r} among the {len(names)} model{'s' * (len(names) != 1)} "
-                f"in {folder}" + (self._otherwise_named() or _hint(close, names)),
+                f"in {folder}{hint}",
                 close,
             )
-
-    def _otherwise_named(self) -> str:
-        """What a folder of the aircraft's name has instead of its file."""
-        folder = self.path.parent
-        with contextlib.suppress(OSError, ValueError):
-            files = sorted(file.name for file in folder.glob("*.[xX][mM][lL]"))
-            if files and Path(self.aircraft).name == self.aircraft:
-                return f": its folder has {' and '.join(files[:3])}, not {self.path.name}"
-        return ""
 
     def error(self, message: str, close: Sequence[str] = ()) -> AircraftError:
         return AircraftError(message, aircraft=self.aircraft, nearest=close)

@@ -174,10 +174,10 @@ class Settling:
                     break
                 longest = self._time_constant()
                 # a step too short for a change says nothing
-                moving = [
-                    y for x, y in zip(speeds, paces, strict=True) if max(abs(x), y) >= _STANDS
-                ]
-                is_quiet = max(moving, default=0.0) * dt <= tolerance and dt >= 0.1 * longest
+                is_quiet = dt >= 0.1 * longest and all(
+                    rate * dt <= tolerance or max(abs(x), rate) < _STANDS
+                    for x, rate in zip(speeds, paces, strict=True)
+                )
                 quiet = quiet + 1 if is_quiet else 0
                 dt = min(longest, _GROWTH * dt, _LARGE / max(pace, 1e-9))
 

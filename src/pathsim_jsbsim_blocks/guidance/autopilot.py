@@ -301,10 +301,8 @@ class Autopilot(GuidedHold):
             state, port, motion, bounds, guard, mode, rate, fraction
         )
         aileron, phi_cmd, lateral = self._ailerons(state.lateral, port, bounds, protection, guard)
-        rudder, yaw = self.yaw.sample(
-            *(state.yaw, port.r, port.yaw_off != 0.0),
-            *(self.sensed("beta", port.beta), port.p, port.phi),
-        )
+        beta, yaw_off = self.sensed("beta", port.beta), port.yaw_off != 0.0
+        rudder, yaw = self.yaw.sample(state.yaw, port.r, yaw_off, beta, port.p, port.phi)
         outputs = [elevator, aileron, rudder, throttle, theta_cmd, phi_cmd, vc_cmd, hdot_cmd]
         state = AutopilotState(
             vertical=levels,

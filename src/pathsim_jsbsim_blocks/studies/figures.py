@@ -345,14 +345,14 @@ def _holes(table: pd.DataFrame) -> str:
     return "left out: " + "; ".join(parts) if parts else ""
 
 
-def _is_fault(table: pd.DataFrame) -> Any:
+def is_fault(table: pd.DataFrame) -> Any:
     """Which values break an invariant; tables read from a file have NaN for an empty text."""
     return table.fault.astype(object).fillna("") != ""
 
 
 def _faults(table: pd.DataFrame) -> str:
     """Text with the invariants that values break; they are drawn hollow."""
-    rows = table[_is_fault(table)]
+    rows = table[is_fault(table)]
     parts = [
         f"{fault} ({', '.join(points.quantity.unique())})"
         for fault, points in rows.groupby("fault", sort=False)
@@ -363,7 +363,7 @@ def _faults(table: pd.DataFrame) -> str:
 def _line(ax: Axes, rows: pd.DataFrame, x: str, y: str, style: str, **options: Any) -> None:
     """Values of a table, with hollow marks for those that break an invariant."""
     (curve,) = ax.plot(rows[x], rows[y], style, **options)
-    hollow = rows[_is_fault(rows)]
+    hollow = rows[is_fault(rows)]
     if len(hollow):
         face = ax.get_facecolor()
         ax.plot(hollow[x], hollow[y], "o", color=curve.get_color(), markerfacecolor=face)
