@@ -86,7 +86,7 @@ def fleet():
 
 
 def make(name, folder):
-    """The table of an aircraft, computed if it is not there, and its page."""
+    """The table of an aircraft, computed if it is not there, and its page, if it has values."""
     file, page = folder / f"{name}.csv", EVIDENCE / "performance" / f"{name}.pdf"
     if not file.exists():
         start = time.process_time()
@@ -96,7 +96,7 @@ def make(name, folder):
         page.unlink(missing_ok=True)
     table = pd.read_csv(file)
     table.attrs["aircraft"] = name
-    if not page.exists():
+    if not page.exists() and any(pd.notna(value(table, q)[0]) for q, _ in COLUMNS.values()):
         figure = performance_chart(table.drop(columns=["seconds", "commit"]))
         # without a date the file depends on the table alone
         figure.savefig(page, metadata={"CreationDate": None})
