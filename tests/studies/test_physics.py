@@ -35,6 +35,17 @@ def test_stall_speed_grows_with_the_weight_and_falls_with_the_flaps():
     assert marked(rows("stall speed", value=[89.0, 88.0, 108.0], **flaps)) == [False, False, True]
 
 
+def test_the_airspeed_at_the_lift_limit_grows_with_the_load_factor():
+    # as the XB-70's were printed at 82622b96; speed grows with the root of the load factor
+    factors = [0.5, 1.0, 1.5, 2.0, 2.5, -0.5, -1.0]
+    folded = [165.0, 155.4, 142.9, 154.1, 173.3, 200.0, 190.0]
+    limit = {"weight_lb": [534000.0] * 7, "load_factor": factors}
+    faults = [True, True, False, False, False, True, True]
+    assert marked(rows("speed at the lift limit", value=folded, **limit)) == faults
+    sound = [142.9 * math.sqrt(abs(n) / 1.5) for n in factors]
+    assert marked(rows("speed at the lift limit", value=sound, **limit)) == [False] * 7
+
+
 def test_no_glide_climbs():
     sinks = rows("sink rate", value=[900.0, -10.0], speed_kcas=[80.0, 90.0])
     assert marked(sinks, rows("least sink rate", value=[-10.0])) == [False, True, True]
@@ -97,6 +108,24 @@ def test_of_two_that_contradict_the_fault_is_where_the_search_gave_up():
     x15 = {"weight_lb": [14566.0, 14972.0, 22796.0], "flaps_norm": [0.0] * 3}
     x15["reason"] = ["no convergence", "no convergence", "alpha limit"]
     assert marked(rows("stall speed", value=[175.7, 173.6, 160.0], **x15)) == [True, True, False]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("aircraft", ["A4", "f15"])  # whose fastest turns are spiral descents
+def test_an_instantaneous_turn_has_at_least_the_load_factor_of_the_sustained_one(aircraft):
+    table = performance_table(aircraft, altitudes=0.0, flaps=0.0, parts=["turn"], progress=False)
+    loads = table[table.quantity.str.endswith("load factor")].dropna(subset=["value"])
+    loads = loads.pivot(index="speed_kcas", columns="quantity", values="value").dropna()
+    assert len(loads) >= 3
+    assert (loads["instantaneous load factor"] >= loads["sustained load factor"]).all()
+
+
+@pytest.mark.long
+def test_a_service_ceiling_is_not_above_the_absolute_one():
+    # the f15's climb ends abruptly, above 500 ft/min
+    table = performance_table("f15", altitudes=0.0, flaps=0.0, parts=["ceiling"], progress=False)
+    ceiling = table.set_index("quantity").value
+    assert 40e3 < ceiling["service ceiling"] <= ceiling["absolute ceiling"]
 
 
 @pytest.mark.long

@@ -24,7 +24,7 @@ Find = Callable[[float], TrimState | None]
 Size = Callable[[TrimState], float]
 
 _FINEST = 1.001  # ratio of speeds at which a search ends
-_GUESSES = (0.4, 0.6, 0.25, 0.8, 1.2, 1.6)  # lift coefficients of the first trims
+_GUESSES = (0.4, 0.6, 0.25, 0.8, 1.2, 1.6, 0.15)  # lift coefficients of the first trims
 
 _FLIGHT = 60.0  # s, duration of a checking flight
 _DEPARTED = 0.15  # relative airspeed change beyond which a flight no longer represents a condition

@@ -265,6 +265,7 @@ def _ceilings(plane: Plane) -> None:
     why = "below 0 ft" if math.isfinite(rates[0.0]) else plane.reason
     while (top := max(rates)) < _HIGHEST and rates[top] > 0.0:
         rates[top + 5000.0] = climb(top + 5000.0)
+    ceiling = math.inf
     for name, limit in (("absolute", 0.0), ("service", 100.0 if plane.propeller else 500.0)):
         order = sorted(rates)
         high = next((i for i, altitude in enumerate(order) if rates[altitude] < limit), 0)
@@ -274,7 +275,9 @@ def _ceilings(plane: Plane) -> None:
         if high < 2:
             plane.put(f"{name} ceiling", None, reason=why)
             continue
-        ceiling = brentq(partial(over, limit), order[high - 1], order[high], xtol=10.0)
+        edge = brentq(partial(over, limit), order[high - 1], order[high], xtol=10.0)
+        # where the climb ends abruptly both searches end within 10 ft of the same altitude
+        ceiling = min(edge, ceiling)
         no_climb = any(rates[h] == -math.inf for h in rates if abs(h - ceiling) < 20.0)
         at: Row = {"altitude_ft": ceiling, "speed": best.speed if best else math.nan}
         plane.put(f"{name} ceiling", ceiling, **at, reason=plane.reason if no_climb else "")
@@ -316,9 +319,10 @@ def _turn_load(turn: TrimState) -> float:
 def _steepest(
     plane: Plane, find: Callable[..., TrimState | None], level: TrimState | None
 ) -> TrimState | None:
-    """The turn with the maximum rate, searched in ever finer steps of the load factor.
+    """The turn with the maximum load factor, searched in ever finer steps of the bank.
 
-    The search starts at the ``level`` turn, if any, and returns it if no other is faster.
+    The search starts at the ``level`` turn, if any, and returns it if no other has more: a trim
+    with the path angle free may end in a spiral descent, steep and with a low load factor.
     """
     steepest = level
     load, ratio = (1.0 / math.cos(math.radians(level.phi)) if level else 1.02), 1.3
@@ -326,8 +330,9 @@ def _steepest(
         n = load * ratio
         plane.reason = f"{_STEEPEST:g} g"
         turn = None if n > _STEEPEST else find(bank=math.degrees(math.acos(1.0 / n)))
-        steepest, load, ratio = (turn, n, ratio) if turn else (steepest, load, math.sqrt(ratio))
-    return max(filter(None, (level, steepest)), key=lambda s: abs(s.turn_rate), default=None)
+        load, ratio = (n, ratio) if turn else (load, math.sqrt(ratio))
+        steepest = max(filter(None, (steepest, turn)), key=_turn_load, default=None)
+    return steepest
 
 
 def _load_factors(plane: Plane) -> None:

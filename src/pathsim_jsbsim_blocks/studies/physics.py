@@ -17,14 +17,16 @@ GAVE_UP = "no convergence"  # reason of a search that ends without a limit of th
 _HEAVY = "the stall speed falls with the weight"
 _FLAPS = "the stall speed rises with the flaps"
 _CLIMB = "the climb of engines without a supercharger rises with the altitude"
+_LIFT = "the airspeed at the lift limit falls with the load factor"
 
 
 def mark_faults(table: pd.DataFrame, unsupercharged: bool = False) -> pd.DataFrame:
     """Set the column ``fault`` of a performance table: the invariant that a value breaks, or "".
 
-    Stall speed grows with the weight and falls with the flaps, no glide climbs with the throttle
-    closed, the best rate of climb of piston engines without a supercharger falls with the altitude,
-    and load factors are within the limit of the same table. A value that breaks one where its
+    Stall speed grows with the weight and falls with the flaps, the airspeed at the lift limit grows
+    with the load factor, pulled or pushed, no glide climbs with the throttle closed, the best rate
+    of climb of piston engines without a supercharger falls with the altitude, and load factors are
+    within the limit of the same table. A value that breaks one where its
     search gave up is removed. Of values that contradict each other the fault is the one that
     contradicts most, or else the one whose search gave up, or else both.
 
@@ -43,6 +45,9 @@ def mark_faults(table: pd.DataFrame, unsupercharged: bool = False) -> pd.DataFra
     if unsupercharged:
         climbs = numbers[numbers.quantity == "best rate of climb"]
         pairs |= {pair: _CLIMB for pair in _falls(climbs, "weight_lb", "altitude_ft", -1.0)}
+    lift = numbers[numbers.quantity == "speed at the lift limit"]
+    for push, sign in ((lift.load_factor < 0.0, -1.0), (lift.load_factor > 0.0, 1.0)):
+        pairs |= {p: _LIFT for p in _falls(lift[push], "weight_lb", "load_factor", sign)}
     gave_up = table.reason == GAVE_UP
     while pairs:
         count = Counter(row for pair in pairs for row in pair)
@@ -54,8 +59,8 @@ def mark_faults(table: pd.DataFrame, unsupercharged: bool = False) -> pd.DataFra
     sinks = numbers[numbers.quantity.isin(["sink rate", "least sink rate"])]
     for row in sinks.index[sinks.value < 0.0]:
         texts[row] = "it climbs with the throttle closed"
-    lift = table.quantity == "speed at the lift limit"
-    limit = table[lift].load_factor.astype(float).max()
+    limits = table.quantity == "speed at the lift limit"
+    limit = table[limits].load_factor.astype(float).max()
     turns = numbers[numbers.quantity.isin(["sustained load factor", "instantaneous load factor"])]
     for row in turns.index[turns.value > limit + 1e-6]:
         texts[row] = f"above the limit load factor, {limit:.2g} g"
