@@ -14,7 +14,7 @@ from plain_jsbsim import open_fdm
 from pathsim_jsbsim_blocks import ParameterError, TrimCondition, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
-from pathsim_jsbsim_blocks.studies.flight_tests import Plane
+from pathsim_jsbsim_blocks.studies.flight_tests import Plane, climb_rate
 
 NO_GROUND = {"ic/terrain-elevation-ft": -5000.0}
 
@@ -158,6 +158,21 @@ def test_flights_have_the_values_of_the_trims(aircraft, altitude):
         assert value(rows, "highest level Mach number").value > 1.1
 
 
+@pytest.mark.parametrize(
+    ("aircraft", "altitude", "kind", "speed"),
+    [
+        ("Concorde", 20e3, "climb", 942.0),  # 26,000 ft/min
+        ("f104", 30e3, "glide", 347.0),  # 9000 ft/min
+        ("p51d", 5e3, "glide", 121.0),  # its engine stands in the glide, and runs in a pull-up
+    ],
+)
+def test_a_steep_flight_has_the_rate_of_its_trim(aircraft, altitude, kind, speed):
+    task = dict.fromkeys(("root", "create", "weight", "flaps"))
+    plane = Plane(task | {"aircraft": aircraft, "altitude": altitude})
+    state = getattr(plane, kind)(speed)
+    assert plane.energy_rate(state) == pytest.approx(climb_rate(state), rel=0.005)
+
+
 @pytest.mark.long
 def test_a_model_that_climbs_ever_better_has_no_ceiling():
     """The table of the F4N's engine ends at 50,000 ft."""
@@ -277,8 +292,16 @@ def test_the_best_glide_is_the_largest_lift_over_drag_of_the_model(aircraft):
 
 
 @pytest.mark.long
-def test_an_instantaneous_turn_is_at_least_the_sustained_one():
-    turns = table("T37", "turn", altitude=300.0)
+@pytest.mark.parametrize(
+    ("aircraft", "altitude"),
+    [
+        ("T37", 300.0),
+        ("A4", 0.0),  # with the path angle free, its turns of the highest rate are spiral descents
+        ("f15", 0.0),
+    ],
+)
+def test_an_instantaneous_turn_is_at_least_the_sustained_one(aircraft, altitude):
+    turns = table(aircraft, "turn", altitude=altitude)
     turns = turns.pivot(index="speed_kcas", columns="quantity", values="value")
     assert len(turns) == 6
     turns = turns.dropna(subset=["sustained turn rate"])

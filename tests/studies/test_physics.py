@@ -111,16 +111,6 @@ def test_of_two_that_contradict_the_fault_is_where_the_search_gave_up():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("aircraft", ["A4", "f15"])  # whose fastest turns are spiral descents
-def test_an_instantaneous_turn_has_at_least_the_load_factor_of_the_sustained_one(aircraft):
-    table = performance_table(aircraft, altitudes=0.0, flaps=0.0, parts=["turn"], progress=False)
-    loads = table[table.quantity.str.endswith("load factor")].dropna(subset=["value"])
-    loads = loads.pivot(index="speed_kcas", columns="quantity", values="value").dropna()
-    assert len(loads) >= 3
-    assert (loads["instantaneous load factor"] >= loads["sustained load factor"]).all()
-
-
-@pytest.mark.long
 def test_a_service_ceiling_is_not_above_the_absolute_one():
     # the f15's climb ends abruptly, above 500 ft/min
     table = performance_table("f15", altitudes=0.0, flaps=0.0, parts=["ceiling"], progress=False)

@@ -27,6 +27,7 @@ _FINEST = 1.001  # ratio of speeds at which a search ends
 _GUESSES = (0.4, 0.6, 0.25, 0.8, 1.2, 1.6, 0.15)  # lift coefficients of the first trims
 
 _FLIGHT = 60.0  # s, duration of a checking flight
+_CLIMB = 5000.0  # ft, within which a climb or descent hardly changes: a steep flight is shorter
 _DEPARTED = 0.15  # relative airspeed change beyond which a flight no longer represents a condition
 
 _MOST = 1000  # trims for one part of the charts, against endless searches; 20 to 300 are usual
@@ -238,14 +239,15 @@ class Plane:
 
         The flight passes the trim's altitude at half time. Three flights adjust the initial
         airspeed so that the last passes it at the trim's airspeed. A phugoid changes the energy
-        only through the drag due to its load factor: the difference of two trims corrects this.
+        only through the drag due to its load factor: the difference of two pull-ups corrects this.
         """
         climb = climb_rate(state)
         climbs = abs(climb) > 1.0
-        altitude = max(state.condition.altitude - 0.5 * climb * _FLIGHT / 60.0, -1500.0)
+        seconds = min(_FLIGHT, 60.0 * _CLIMB / abs(climb)) if climbs else _FLIGHT
+        altitude = max(state.condition.altitude - 0.5 * climb * seconds / 60.0, -1500.0)
         speed = state.speed
         for _ in range(3 if climbs else 1):
-            flight = self.fly(state, _FLIGHT, altitude=altitude, speed=speed)
+            flight = self.fly(state, seconds, altitude=altitude, speed=speed)
             if flight is None or abs(flight["vc"] / state.speed - 1.0).max() > _DEPARTED:
                 return None
             middle = len(flight["h"]) // 2
@@ -255,10 +257,14 @@ class Plane:
         height = flight["h"] + 0.5 * flight["v"] ** 2 / flight["g"]
         at = np.linspace(-0.5, 0.5, len(height))
         slope = np.polyder(np.polyfit(at, height, 5))
-        rate = float(np.polyval(slope, at[passage])) * 60.0 / _FLIGHT
-        load, throttle = float(_load_factor(flight)[passage]), max(state.throttle, default=0.0)
-        pull_up = self.trim(state.speed, mode="pull-up", throttle=throttle, load_factor=load)
-        return rate + climb - climb_rate(pull_up) if pull_up else rate
+        rate = float(np.polyval(slope, at[passage])) * 60.0 / seconds
+        # both, as an engine may run in a pull-up that stands in the glide
+        loads = math.cos(math.radians(state.gamma)), float(_load_factor(flight)[passage])
+        pull = partial(
+            self.trim, state.speed, mode="pull-up", throttle=max(state.throttle, default=0.0)
+        )
+        straight, pulled = (pull(load_factor=load) for load in loads)
+        return rate + climb_rate(straight) - climb_rate(pulled) if straight and pulled else rate
 
     def lift_flown(self, start: TrimState | None, limit: TrimState, seconds: float) -> float | None:
         """Maximum lift coefficient in a pull to the limit's elevator, relative to the limit's.
