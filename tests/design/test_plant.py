@@ -111,6 +111,30 @@ def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, sign, angl
     assert peak[0] / loop.required.size == pytest.approx(np.abs(commands).max(), rel=1e-9)
 
 
+@pytest.mark.parametrize("Ki", [0.15, 90.0])  # at most half of the excess leaves the integral
+def test_a_step_that_reaches_a_limit_is_the_law_that_is_flown(plant, Ki):
+    size, room = search.PITCH.required.size, (-0.3, 0.2)
+    law, state = attitude_loop(T, dataclasses.replace(GAINS, Ki=Ki), room, -1.0), None
+    commands = []
+
+    def fly_law(k, y):
+        nonlocal state
+        state = law.START if state is None else state
+        command, _, state = law.sample(
+            state, y["theta"], y["q"], size if k else 0.0, 0.0, 0.0, False
+        )
+        commands.append(command)
+        return command
+
+    expected = law_flown(plant, "elevator", fly_law, 600)[:, OUTPUTS.index("theta")]
+    gains = [np.array([x]) for x in (GAINS.Kp, Ki, GAINS.Kr)]
+    b = np.array([GAINS.b])
+    error, peak = search.tracked(plant, search.PITCH, size, 600 * T, 1e6, room, gains, b)
+    assert min(commands) == room[0]
+    assert peak[0] > 0.3
+    assert error[:, 0] + size == pytest.approx(expected, abs=1e-9)
+
+
 def test_a_closed_speed_loop_is_the_law_that_is_flown(plant):
     gains = SpeedGains(Kp=0.04, Ki=0.002, Kd=-0.02, Tf=0.5, b=1.0, ramp=1e6, Kc=0.004)
     law, state, climb = SpeedLoop(T, gains, FAR), SpeedLoop.START, 0.0
