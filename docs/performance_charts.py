@@ -71,7 +71,8 @@ reason. The last but one column counts the values that `chart` lists as
 [faults](../performance.md#limits-of-a-chart); rows of earlier code lack it.
 
 {flown} values were flown. The median difference of an aircraft is at most {median:.2g} %, the
-largest difference {largest:.0f} % ({farthest}).
+largest difference {largest:.0f} % ({farthest}). The SGS has two steady glides at 57 KCAS and
+15,000 ft, since its tables end at an angle of attack of -1 deg.
 
 `python docs/performance_charts.py FOLDER` makes all pages and the table, in an hour. The charts
 of each aircraft on one page (PDF):
