@@ -297,6 +297,15 @@ def test_the_airspeed_loop_is_that_of_the_neighbours_but_for_what_is_fed_forward
     assert gains == replace(other.speed, Kc=0.02)
 
 
+def test_the_gains_of_the_neighbours_are_tried_too():
+    own, other = np.array([7.0]), GAINS["c172p"]
+    (Kp,) = Neighbours([other]).joined("pitch", Kp=own)
+    assert Kp[0] == 7.0
+    assert other.pitch.Kp in Kp
+    assert (Kp[1:].min(), Kp.max()) == pytest.approx((other.pitch.Kp / 1.4, 7.0))
+    assert Neighbours().joined("pitch", Kp=own) == (own,)
+
+
 def test_a_throttle_that_slows_the_aircraft_has_no_airspeed_loop():
     with pytest.raises(Unstable) as caught:
         design_speed(accelerating(-2.0, 1 / 60), 180.0, (-0.6, 0.4), 0.0)

@@ -138,6 +138,18 @@ def test_a_loop_is_stable_where_its_poles_are(pole, gain):
     assert margins(control.frd([0.5, 0.3, 0.1], [1.0, 2.0, 3.0])).stable is None
 
 
+@pytest.mark.parametrize("pole", [-2.0, 0.5])
+@pytest.mark.parametrize("inner", [-0.3, 0.5, 12.0])
+@pytest.mark.parametrize("outer", [-11.5, -0.3, 0.5])
+def test_a_loop_around_another_is_stable_where_the_poles_of_both_are(pole, inner, outer):
+    late = control.c2d(control.tf([4.0], [1.0, -pole]), T, "zoh") * control.tf(
+        [1], [1, *[0] * 6], T
+    )
+    stable = abs(control.feedback((inner + outer) * late).poles()).max() < 1.0
+    laws = (control.ss([], [], [], [[-x]], inputs="p", outputs="aileron") for x in (outer, inner))
+    assert margins(replace(lag(6), A=[[pole]]), *laws).stable == stable
+
+
 def test_positions_that_nothing_moves_are_stable():
     # the aircraft's latitude, longitude and heading are integrators beside the loop
     model = two()

@@ -206,6 +206,11 @@ def test_gust_lines_are_those_of_the_printed_formula():
 
 
 @pytest.mark.long
+def test_a_pull_reaches_the_lift_limit():
+    (limit,) = table("c172p", "V-n").query("load_factor == 2.0").itertuples()
+    assert limit.flown == pytest.approx(limit.value, rel=0.01)
+
+
 def test_a_c172p_has_a_negative_lift_limit():
     (speed,) = table("c172p", "V-n").query("load_factor == -0.5").value
     # at -5 deg, the model's limit, its table has CL = -0.206, and 0.43 per rad of elevator, 23 deg
