@@ -553,6 +553,19 @@ def test_a_position_follows_the_heading_and_the_sideslip():
         assert rate == pytest.approx(V / (20_925_646.0 + FLYING["737"][0]), rel=0.01), name
 
 
+@pytest.mark.parametrize(("heading", "name"), [(0.0, "lat"), (90.0, "lon")])
+def test_a_position_moves_over_the_ellipsoid(heading, name):
+    pymap3d = pytest.importorskip("pymap3d")
+    h = 35_000.0
+    block = Aircraft("737", altitude=h, speed=260.0, gear=0.0, latitude=48.0, heading=heading)
+    model = block.linear_model("algebraic", inputs=["aileron"], outputs=[name])
+    east, north = (1000.0 * 0.3048 * x for x in (math.sin(math.radians(heading)), heading == 0.0))
+    lat, lon, _ = pymap3d.enu2geodetic(east, north, 0.0, 48.0, 0.0, h * 0.3048)
+    way = (lat - 48.0 if name == "lat" else lon) / 1000.0  # deg/ft
+    rate = model.A[model.states.index(name), model.states.index("vt")]
+    assert rate == pytest.approx(way, rel=2e-4)
+
+
 def test_every_response_that_is_not_linear_is_named():
     # flown beside the aircraft, theta is off by 29 % after the doublet
     with pytest.warns(RuntimeWarning, match=r"response of vt to elevator.*of q \d+%, theta \d\d%"):
