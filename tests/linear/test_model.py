@@ -201,6 +201,11 @@ def test_ports_are_chosen_by_name():
     assert model.units["vt"] == "ft/s"
 
 
+def test_the_states_of_a_propeller_are_states():
+    model = Aircraft("c172p", altitude=5000, speed=90).linear_model()
+    assert {"propeller[0]", "map[0]"} < {*model.states}
+
+
 @pytest.mark.parametrize("method", ["flown", "algebraic"])
 def test_the_trim_of_the_inputs_has_the_order_asked_for(method):
     throttle, elevator = "fcs/throttle-cmd-norm", "fcs/elevator-cmd-norm"
