@@ -27,6 +27,7 @@ from pathsim_jsbsim_blocks import (
 from pathsim_jsbsim_blocks.flight import linear_model
 from pathsim_jsbsim_blocks.linear import LinearModel
 from pathsim_jsbsim_blocks.linear.block import LinearModelBlock
+from pathsim_jsbsim_blocks.linear.identification import _coordinates
 
 # what each input is for
 RESPONSES = {
@@ -199,6 +200,14 @@ def test_ports_are_chosen_by_name():
     np.testing.assert_allclose(model.B, whole.B[:10], rtol=1e-6, atol=1e-6)
     assert model.units["q"] == "deg/s"
     assert model.units["vt"] == "ft/s"
+
+
+def test_a_signal_that_nothing_moves_or_that_follows_from_others_is_no_state():
+    C = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0]])
+    rows, signals = _coordinates(C, [0, 1, 2, 3])
+    assert signals == [1, 3, -1]
+    assert rows[:2] == pytest.approx(C[[1, 3]])
+    assert abs(rows[2]) == pytest.approx([0.0, 0.0, 1.0])
 
 
 def test_the_states_of_a_propeller_are_states():
