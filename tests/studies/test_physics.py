@@ -91,6 +91,16 @@ def test_a_fault_is_drawn_hollow_and_named():
     assert figure.get_supxlabel() == "hollow: the stall speed falls with the weight (stall speed)"
 
 
+def test_a_lift_limit_that_folds_back_is_drawn_hollow():
+    limit = {"load_factor": [0.5, 1.0, 1.5], "weight_lb": [534000.0] * 3, "chart": ["V-n"] * 3}
+    folded = rows("speed at the lift limit", value=[165.0, 155.4, 142.9], **limit)
+    table = mark_faults(pd.DataFrame(folded, columns=list(COLUMNS)))
+    _, hollow = performance_chart(table, charts=["V-n"]).axes[0].lines
+    # each contradicts the two others
+    assert [*hollow.get_xdata()] == [165.0, 155.4, 142.9]
+    assert [*hollow.get_ydata()] == [0.5, 1.0, 1.5]
+
+
 def test_the_value_that_contradicts_most_is_the_fault():
     # the pc7 at 1195b2d8: eight of nine grow with the root of the weight
     weights, flaps = [2969.0, 4443.0, 4806.0], [0.0, 0.5, 1.0]

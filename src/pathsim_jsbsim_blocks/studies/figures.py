@@ -363,10 +363,13 @@ def _faults(table: pd.DataFrame) -> str:
 def _line(ax: Axes, rows: pd.DataFrame, x: str, y: str, style: str, **options: Any) -> None:
     """Values of a table, with hollow marks for those that break an invariant."""
     (curve,) = ax.plot(rows[x], rows[y], style, **options)
+    _hollow(ax, rows, x, y, curve.get_color())
+
+
+def _hollow(ax: Axes, rows: pd.DataFrame, x: str, y: str, color: str) -> None:
     hollow = rows[is_fault(rows)]
     if len(hollow):
-        face = ax.get_facecolor()
-        ax.plot(hollow[x], hollow[y], "o", color=curve.get_color(), markerfacecolor=face)
+        ax.plot(hollow[x], hollow[y], "o", color=color, markerfacecolor=ax.get_facecolor())
 
 
 def _over_speed(ax: Axes, table: pd.DataFrame, quantities: Sequence[str]) -> None:
@@ -440,6 +443,7 @@ def _load_factors(ax: Axes, rows: pd.DataFrame, quantities: Sequence[str]) -> No
                 speeds["VA"] = line.value[-1:]
         label = "lift limit, limit load factor" if sign > 0.0 else None
         ax.plot(speed, sign * n, "C0", label=label)
+        _hollow(ax, line, "value", "load_factor", "C0")
     if len(ends) == 2 and len(corners) == 2:
         (high, fast), (low, slow) = sorted(corners.items(), reverse=True)
         style = "C0" if low == limit.load_factor.min() else "C0:"  # dotted where no trim is known
