@@ -366,7 +366,7 @@ def _line(ax: Axes, rows: pd.DataFrame, x: str, y: str, style: str, **options: A
     _hollow(ax, rows, x, y, curve.get_color())
 
 
-def _hollow(ax: Axes, rows: pd.DataFrame, x: str, y: str, color: str) -> None:
+def _hollow(ax: Axes, rows: pd.DataFrame, x: str, y: str, color: Any) -> None:
     hollow = rows[is_fault(rows)]
     if len(hollow):
         ax.plot(hollow[x], hollow[y], "o", color=color, markerfacecolor=ax.get_facecolor())
