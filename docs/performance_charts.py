@@ -71,8 +71,9 @@ reason. The last but one column counts the values that `chart` lists as
 [faults](../performance.md#limits-of-a-chart); rows of earlier code lack it.
 
 {flown} values were flown. The median difference of an aircraft is at most {median:.2g} %, the
-largest difference {largest:.0f} % ({farthest}). The SGS has two steady glides at 57 KCAS and
-15,000 ft, since its tables end at an angle of attack of -1 deg.
+largest difference {largest:.0f} % ({farthest}). Two models have two steady glides at one
+airspeed, of which a trim finds one and a flight the other: the engines of the c310 idle at 759 or
+952 rpm at 96 KCAS, and the tables of the SGS end at an angle of attack of -1 deg (57 KCAS).
 
 `python docs/performance_charts.py FOLDER` makes all pages and the table, in an hour. The charts
 of each aircraft on one page (PDF):

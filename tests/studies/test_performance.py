@@ -176,6 +176,15 @@ def test_a_steep_flight_has_the_rate_of_its_trim(aircraft, altitude, kind, speed
 
 
 @pytest.mark.long
+def test_a_turn_that_leaves_its_airspeed_has_no_flown_rate():
+    # the Camel loses 22 kt in 10 s
+    rows = table("Camel", "turn")
+    row = value(rows[rows.reason.str.contains("does not stay")], "sustained turn rate")
+    assert math.isnan(row.flown)
+    assert row.value > 10.0
+
+
+@pytest.mark.long
 def test_a_model_that_climbs_ever_better_has_no_ceiling():
     """The table of the F4N's engine ends at 50,000 ft."""
     for reason in table("F4N", "ceiling", altitude=5000.0).reason:

@@ -221,6 +221,15 @@ class Plane:
         record = dict(zip(_RECORDED, signals, strict=False))
         return {**record, "fuel": signals[len(_RECORDED) :].sum(axis=0)}
 
+    def held(
+        self, state: TrimState, duration: float, **fields: Any
+    ) -> dict[str, np.ndarray] | None:
+        """A flight with controls fixed; None if it leaves the airspeed of the trim."""
+        flight = self.fly(state, duration, **fields)
+        if flight is None or abs(flight["vc"] / state.speed - 1.0).max() > _DEPARTED:
+            return None
+        return flight
+
     def first(self, find: Find) -> TrimState | None:
         """The first trim near a speed at which the wing lifts the weight."""
         speeds = (speed_of_lift(self.weight, max(self.area, 1.0), c) for c in _GUESSES)
@@ -247,8 +256,8 @@ class Plane:
         altitude = max(state.condition.altitude - 0.5 * climb * seconds / 60.0, -1500.0)
         speed = state.speed
         for _ in range(3 if climbs else 1):
-            flight = self.fly(state, seconds, altitude=altitude, speed=speed)
-            if flight is None or abs(flight["vc"] / state.speed - 1.0).max() > _DEPARTED:
+            flight = self.held(state, seconds, altitude=altitude, speed=speed)
+            if flight is None:
                 return None
             middle = len(flight["h"]) // 2
             passage = abs(flight["h"] - state.condition.altitude).argmin() if climbs else middle

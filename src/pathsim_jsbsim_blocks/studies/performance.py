@@ -305,7 +305,7 @@ def _turns(plane: Plane) -> None:
             plane.put(f"{name} side load", abs(turn.ny), **at)
             plane.put(f"{name} turn rate", abs(turn.turn_rate), **at)
             if factor == 1.6 and name == "sustained":
-                flight = plane.fly(turn, _TURN)
+                flight = plane.held(turn, _TURN)
                 psi = None if flight is None else np.unwrap(flight["psi"], period=360.0)
                 plane.flown(None if psi is None else abs(float(psi[-1] - psi[0])) / _TURN)
 
