@@ -68,7 +68,7 @@ take-off and landing; how many values of an aircraft were flown, the median and 
 differences, and the processor time, which two cores share: `chart` takes half of it. Then come the
 values that are missing, with their reasons; a star marks one whose search ended early for such a
 reason. The last but one column counts the values that `chart` lists as
-[faults](../performance.md#limits-of-a-chart); rows of earlier code lack it.
+[faults](../performance.md#limits-of-a-chart).
 
 {flown} values were flown. The median difference of an aircraft is at most {median:.2g} %, the
 largest difference {largest:.0f} % ({farthest}). Two models have two steady glides at one
