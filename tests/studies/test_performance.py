@@ -216,7 +216,6 @@ def test_gust_lines_are_those_of_the_printed_formula():
     assert gust.value == pytest.approx(n, rel=0.005)
 
 
-@pytest.mark.long
 def test_a_pull_reaches_the_lift_limit():
     (limit,) = table("c172p", "V-n").query("load_factor == 2.0").itertuples()
     assert limit.flown == pytest.approx(limit.value, rel=0.01)
