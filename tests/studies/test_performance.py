@@ -246,7 +246,7 @@ def test_a_trim_keeps_the_mixture_that_it_is_given():
         ("sgs126", "ceiling", {}, "no engine"),
         ("sgs126", "field", {}, "no gain table"),
         # with 5 % of its fuel and without payload it has 1e-13 lb less than its own weight
-        pytest.param("Short_S23", "stall", {}, "alpha limit", marks=pytest.mark.long),
+        pytest.param("Short_S23", "stall", {}, "elevator|no convergence", marks=pytest.mark.long),
         # the drag of the T37's model grows with alpha itself, not with its square
         pytest.param("T37", "level", {}, "L/D still increases", marks=pytest.mark.long),
         # its engine gives thrust at any throttle
