@@ -4,7 +4,7 @@
 
 writes the table of each of these aircraft (default: all that trim) that is not yet there as CSV
 into FOLDER, a PDF page of it into docs/evidence/performance, and its row of the evidence page; the
-other rows stay. One core works; two in two folders take half the time. The fleet takes an hour.
+other rows stay. One core works; two in two folders take half the time. The page has the hours.
 """
 
 import re
@@ -74,9 +74,10 @@ reason. The last but one column counts the values that `chart` lists as
 largest difference {largest:.0f} % ({farthest}). Two models have two steady glides at one
 airspeed, of which a trim finds one and a flight the other: the engines of the c310 idle at 759 or
 952 rpm at 96 KCAS, and the tables of the SGS end at an angle of attack of -1 deg (57 KCAS).
+<!-- from tests/studies/test_performance.py -->
 
-`python docs/performance_charts.py FOLDER` makes all pages and the table, in an hour. The charts
-of each aircraft on one page (PDF):
+`python docs/performance_charts.py FOLDER` makes all pages and the table, in {hours:.1f} hours of
+processor time. The charts of each aircraft on one page (PDF):
 
 """
 
@@ -160,6 +161,7 @@ def page():
         median=pd.to_numeric(made["median"].str.rstrip(" %")).max(),
         largest=largest.max(),
         farthest=made.aircraft[largest.idxmax()],
+        hours=pd.to_numeric(made["time s"]).sum() / 3600.0,
     )
     links = ", ".join(f"[{name}](performance/{name}.pdf)" for name in made.aircraft)
     later = [name for name in fleet() if name not in {*made.aircraft, *blank.index}]

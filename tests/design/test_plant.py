@@ -71,6 +71,20 @@ def law_flown(plant, actuator, law, n):
     return np.array(y)
 
 
+def attitude_flown(plant, law, angle, rate, actuator, size):
+    """600 samples of a law in a step of its reference: the outputs, and the commands."""
+    state, commands = law.START, []
+
+    def fly_law(k, y):
+        nonlocal state
+        target = size if k else 0.0
+        command, _, state = law.sample(state, y[angle], y[rate], target, 0.0, 0.0, False)
+        commands.append(command)
+        return command
+
+    return law_flown(plant, actuator, fly_law, 600), commands
+
+
 GAINS = AttitudeGains(Kp=0.2, Ki=0.15, Kr=0.05, b=0.4, ramp=1e6)
 
 
@@ -82,17 +96,8 @@ GAINS = AttitudeGains(Kp=0.2, Ki=0.15, Kr=0.05, b=0.4, ramp=1e6)
     ],
 )
 def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, sign, angle, rate, actuator):
-    law, state, commands = attitude_loop(T, GAINS, FAR, sign), None, []
-
-    def fly_law(k, y):
-        nonlocal state
-        state = law.START if state is None else state
-        target = 1.0 if k else 0.0
-        command, _, state = law.sample(state, y[angle], y[rate], target, 0.0, 0.0, False)
-        commands.append(command)
-        return command
-
-    expected = law_flown(plant, actuator, fly_law, 600)
+    law = attitude_loop(T, GAINS, FAR, sign)
+    expected, commands = attitude_flown(plant, law, angle, rate, actuator, 1.0)
     found = stepped(search.closed(plant, loop, GAINS, "reference"), "reference", 1.0, 600)
     assert found[:, : len(OUTPUTS)] == pytest.approx(expected, abs=1e-9)
     error, peak = search.tracked(
@@ -114,25 +119,14 @@ def test_a_closed_attitude_loop_is_the_law_that_is_flown(plant, loop, sign, angl
 @pytest.mark.parametrize("Ki", [0.15, 90.0])  # at most half of the excess leaves the integral
 def test_a_step_that_reaches_a_limit_is_the_law_that_is_flown(plant, Ki):
     size, room = search.PITCH.required.size, (-0.3, 0.2)
-    law, state = attitude_loop(T, dataclasses.replace(GAINS, Ki=Ki), room, -1.0), None
-    commands = []
-
-    def fly_law(k, y):
-        nonlocal state
-        state = law.START if state is None else state
-        command, _, state = law.sample(
-            state, y["theta"], y["q"], size if k else 0.0, 0.0, 0.0, False
-        )
-        commands.append(command)
-        return command
-
-    expected = law_flown(plant, "elevator", fly_law, 600)[:, OUTPUTS.index("theta")]
+    law = attitude_loop(T, dataclasses.replace(GAINS, Ki=Ki), room, -1.0)
+    flown, commands = attitude_flown(plant, law, "theta", "q", "elevator", size)
     gains = [np.array([x]) for x in (GAINS.Kp, Ki, GAINS.Kr)]
     b = np.array([GAINS.b])
     error, peak = search.tracked(plant, search.PITCH, size, 600 * T, 1e6, room, gains, b)
     assert min(commands) == room[0]
     assert peak[0] > 0.3
-    assert error[:, 0] + size == pytest.approx(expected, abs=1e-9)
+    assert error[:, 0] + size == pytest.approx(flown[:, OUTPUTS.index("theta")], abs=1e-9)
 
 
 def test_a_closed_speed_loop_is_the_law_that_is_flown(plant):

@@ -121,15 +121,22 @@ def test_a_closed_loop_is_within():
     assert own.response == pytest.approx(alone / (1 + inner))
 
 
+def late_lag(pole):
+    """The aircraft ``lag(6)`` with another pole, sampled."""
+    return control.c2d(control.tf([4.0], [1.0, -pole]), T, "zoh") * control.tf(
+        [1], [1, *[0] * 6], T
+    )
+
+
+def is_stable(loop):
+    return abs(control.feedback(loop).poles()).max() < 1.0
+
+
 @pytest.mark.parametrize("pole", [-2.0, 0.5])
 @pytest.mark.parametrize("gain", [-2.0, -0.3, 0.1, 0.2, 8.0, 12.0])
 def test_a_loop_is_stable_where_its_poles_are(pole, gain):
-    aircraft = replace(lag(6), A=[[pole]])
-    late = control.c2d(control.tf([4.0], [1.0, -pole]), T, "zoh") * control.tf(
-        [1], [1, *[0] * 6], T
-    )
-    poles = control.feedback(gain * late).poles()
-    stable = abs(poles).max() < 1.0
+    aircraft, late = replace(lag(6), A=[[pole]]), late_lag(pole)
+    stable = is_stable(gain * late)
     law = {"inputs": "p", "outputs": "aileron"}
     quick = control.tf([-gain * 1e6], [1.0, 1e6], **law)
     for own in (control.ss([], [], [], [[-gain]], **law), quick):
@@ -142,12 +149,9 @@ def test_a_loop_is_stable_where_its_poles_are(pole, gain):
 @pytest.mark.parametrize("inner", [-0.3, 0.5, 12.0])
 @pytest.mark.parametrize("outer", [-11.5, -0.3, 0.5])
 def test_a_loop_around_another_is_stable_where_the_poles_of_both_are(pole, inner, outer):
-    late = control.c2d(control.tf([4.0], [1.0, -pole]), T, "zoh") * control.tf(
-        [1], [1, *[0] * 6], T
-    )
-    stable = abs(control.feedback((inner + outer) * late).poles()).max() < 1.0
     laws = (control.ss([], [], [], [[-x]], inputs="p", outputs="aileron") for x in (outer, inner))
-    assert margins(replace(lag(6), A=[[pole]]), *laws).stable == stable
+    own = margins(replace(lag(6), A=[[pole]]), *laws)
+    assert own.stable == is_stable((inner + outer) * late_lag(pole))
 
 
 def test_positions_that_nothing_moves_are_stable():
@@ -163,11 +167,10 @@ def test_an_unstable_law_is_counted():
     own = control.ss([[1.01]], [[1.0]], [[-0.02]], [[-1.0]], T, inputs="p", outputs="aileron")
     loop = control.c2d(control.tf([4.0], [1.0, 2.0]), T, "zoh") * control.tf([1], [1, 0], T) * -own
     for gain in (0.1, 1.0, 30.0):
-        stable = abs(control.feedback(gain * loop).poles()).max() < 1.0
         scaled = control.ss(
             own.A, own.B, gain * own.C, gain * own.D, T, inputs="p", outputs="aileron"
         )
-        assert margins(lag(), scaled).stable == stable
+        assert margins(lag(), scaled).stable == is_stable(gain * loop)
 
 
 @pytest.mark.parametrize("gain", [0.01, 1e4])

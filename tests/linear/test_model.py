@@ -573,7 +573,8 @@ def test_a_position_moves_over_the_ellipsoid(heading, name):
     h = 35_000.0
     block = Aircraft("737", altitude=h, speed=260.0, gear=0.0, latitude=48.0, heading=heading)
     model = block.linear_model("algebraic", inputs=["aileron"], outputs=[name])
-    east, north = (1000.0 * 0.3048 * x for x in (math.sin(math.radians(heading)), heading == 0.0))
+    chi = math.radians(heading)
+    east, north = 304.8 * math.sin(chi), 304.8 * math.cos(chi)
     lat, lon, _ = pymap3d.enu2geodetic(east, north, 0.0, 48.0, 0.0, h * 0.3048)
     way = (lat - 48.0 if name == "lat" else lon) / 1000.0  # deg/ft
     rate = model.A[model.states.index(name), model.states.index("vt")]

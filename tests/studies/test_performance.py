@@ -33,6 +33,12 @@ def value(rows, quantity):
     return row
 
 
+def as_it_is(aircraft, altitude):
+    """A plane at the model's own weight, without flaps."""
+    task = {"aircraft": aircraft, "root": None, "create": None, "weight": None, "flaps": 0.0}
+    return Plane(task | {"altitude": altitude})
+
+
 def plain_flight(aircraft, state, seconds, elevator=0.0):
     """Rows of a plain JSBSim loop from a trim: energy height, lift factor, qbar, alpha."""
     fdm = open_fdm(aircraft, 1 / 120, {"propulsion/fuel_freeze": 1.0, **NO_GROUND})
@@ -94,8 +100,7 @@ def test_stall_is_that_of_a_plain_deceleration():
 
 def test_a_pull_that_does_not_stall_has_no_flown_stall_speed():
     # half the elevator: the lift of the unstalled flight is not the maximum lift
-    task = {"aircraft": "sgs126", "root": None, "create": None, "weight": None, "flaps": 0.0}
-    plane = Plane(task | {"altitude": 0.0})
+    plane = as_it_is("sgs126", 0.0)
     slow = plane.slowest()
     start = plane.glide(1.15 * slow.speed)
     elevator = 0.5 * (start.pitch_trim + start.elevator - slow.pitch_trim + slow.elevator)
@@ -169,10 +174,36 @@ def test_flights_have_the_values_of_the_trims(aircraft, altitude):
     ],
 )
 def test_a_steep_flight_has_the_rate_of_its_trim(aircraft, altitude, kind, speed):
-    task = dict.fromkeys(("root", "create", "weight", "flaps"))
-    plane = Plane(task | {"aircraft": aircraft, "altitude": altitude})
+    plane = as_it_is(aircraft, altitude)
     state = getattr(plane, kind)(speed)
     assert plane.energy_rate(state) == pytest.approx(climb_rate(state), rel=0.005)
+
+
+def test_engines_of_a_c310_idle_at_two_speeds():
+    plane = as_it_is("c310", 0.0)
+    glides, rpm = [], []
+    for _ in range(2):
+        glides.append(plane.glide(95.8))
+        rpm.append(plane.airframe.fdm["propulsion/engine[0]/propeller-rpm"])
+        plane.trim(95.8, mode="pull-up", throttle=0.0, load_factor=0.99)
+    assert rpm == pytest.approx([759.0, 952.0], abs=1.0)
+    assert climb_rate(glides[0]) < 1.1 * climb_rate(glides[1])
+
+
+def test_an_sgs_glides_at_two_angles_of_attack():
+    # its tables end at -1 deg: beyond, lift and drag are those of the end
+    plane = as_it_is("SGS", 15e3)
+    inside = plane.glide(57.48)
+    for speed in (58.24, 58.5, 57.99, 57.73):
+        plane.glide(speed)
+    beyond = plane.glide(57.48)
+    assert inside.alpha == pytest.approx(-0.7, abs=0.05)
+    assert beyond.alpha == pytest.approx(-4.4, abs=0.1)
+
+
+def test_a_shuttle_has_stall_speeds():
+    # it glides at a lift coefficient of 0.15, not at 0.25
+    assert table("Shuttle", "stall").value.notna().all()
 
 
 @pytest.mark.long
@@ -246,7 +277,7 @@ def test_a_trim_keeps_the_mixture_that_it_is_given():
         ("sgs126", "ceiling", {}, "no engine"),
         ("sgs126", "field", {}, "no gain table"),
         # with 5 % of its fuel and without payload it has 1e-13 lb less than its own weight
-        pytest.param("Short_S23", "stall", {}, "elevator|no convergence", marks=pytest.mark.long),
+        pytest.param("Short_S23", "stall", {}, "alpha limit", marks=pytest.mark.long),
         # the drag of the T37's model grows with alpha itself, not with its square
         pytest.param("T37", "level", {}, "L/D still increases", marks=pytest.mark.long),
         # its engine gives thrust at any throttle

@@ -165,18 +165,12 @@ def test_the_climb_chart_shows_both_commands(tables):
 def test_the_chart_of_angles_of_attack_shows_both_angles(tables):
     upper, lower = studies.alpha_elevator_chart(tables("aoa_vs_cas", jobs=1)).axes
     reference = pd.read_csv(DATA / "06_aoa_vs_cas.csv")
-    panels = (
-        (upper, "angle of attack", reference.alpha_deg),
-        (
-            lower,
-            "elevator deflection",
-            np.degrees(reference.elevator_rad),
-        ),
-    )
-    for ax, angle, values in panels:
-        assert ax.get_ylabel() == f"{angle} [deg]"
+    assert upper.get_ylabel() == "angle of attack [deg]"
+    same(upper.lines[0].get_ydata(), reference.alpha_deg)
+    assert lower.get_ylabel() == "elevator deflection [deg]"
+    same(lower.lines[0].get_ydata(), np.degrees(reference.elevator_rad))
+    for ax in (upper, lower):
         same(ax.lines[0].get_xdata(), reference.vc_kts)
-        same(ax.lines[0].get_ydata(), values)
     assert lower.get_xlabel() == "calibrated airspeed [kt]"
 
 

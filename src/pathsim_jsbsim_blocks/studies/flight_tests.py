@@ -24,7 +24,7 @@ Find = Callable[[float], TrimState | None]
 Size = Callable[[TrimState], float]
 
 _FINEST = 1.001  # ratio of speeds at which a search ends
-_GUESSES = (0.4, 0.6, 0.25, 0.8, 1.2, 1.6, 0.15)  # lift coefficients of the first trims
+_GUESSES = (0.4, 0.6, 0.25, 0.8, 1.2, 0.15, 1.6)  # lift coefficients of the first trims
 
 _FLIGHT = 60.0  # s, duration of a checking flight
 _CLIMB = 5000.0  # ft, within which a climb or descent hardly changes: a steep flight is shorter
@@ -221,7 +221,7 @@ class Plane:
         record = dict(zip(_RECORDED, signals, strict=False))
         return {**record, "fuel": signals[len(_RECORDED) :].sum(axis=0)}
 
-    def held(
+    def steady_flight(
         self, state: TrimState, duration: float, **fields: Any
     ) -> dict[str, np.ndarray] | None:
         """A flight with controls fixed; None if it leaves the airspeed of the trim."""
@@ -256,7 +256,7 @@ class Plane:
         altitude = max(state.condition.altitude - 0.5 * climb * seconds / 60.0, -1500.0)
         speed = state.speed
         for _ in range(3 if climbs else 1):
-            flight = self.held(state, seconds, altitude=altitude, speed=speed)
+            flight = self.steady_flight(state, seconds, altitude=altitude, speed=speed)
             if flight is None:
                 return None
             middle = len(flight["h"]) // 2
@@ -268,12 +268,11 @@ class Plane:
         slope = np.polyder(np.polyfit(at, height, 5))
         rate = float(np.polyval(slope, at[passage])) * 60.0 / seconds
         # both, as an engine may run in a pull-up that stands in the glide
+        throttle = max(state.throttle, default=0.0)
+        pull_up = partial(self.trim, state.speed, mode="pull-up", throttle=throttle)
         loads = math.cos(math.radians(state.gamma)), float(_load_factor(flight)[passage])
-        pull = partial(
-            self.trim, state.speed, mode="pull-up", throttle=max(state.throttle, default=0.0)
-        )
-        straight, pulled = (pull(load_factor=load) for load in loads)
-        return rate + climb_rate(straight) - climb_rate(pulled) if straight and pulled else rate
+        rates = [climb_rate(pull) for load in loads if (pull := pull_up(load_factor=load))]
+        return rate + rates[0] - rates[1] if len(rates) == 2 else rate
 
     def lift_flown(self, start: TrimState | None, limit: TrimState, seconds: float) -> float | None:
         """Maximum lift coefficient in a pull to the limit's elevator, relative to the limit's.

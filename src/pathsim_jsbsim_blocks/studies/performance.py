@@ -305,7 +305,7 @@ def _turns(plane: Plane) -> None:
             plane.put(f"{name} side load", abs(turn.ny), **at)
             plane.put(f"{name} turn rate", abs(turn.turn_rate), **at)
             if factor == 1.6 and name == "sustained":
-                flight = plane.held(turn, _TURN)
+                flight = plane.steady_flight(turn, _TURN)
                 psi = None if flight is None else np.unwrap(flight["psi"], period=360.0)
                 plane.flown(None if psi is None else abs(float(psi[-1] - psi[0])) / _TURN)
 
@@ -319,7 +319,7 @@ def _turn_load(turn: TrimState) -> float:
 def _steepest(
     plane: Plane, find: Callable[..., TrimState | None], level: TrimState | None
 ) -> TrimState | None:
-    """The turn with the maximum load factor, searched in ever finer steps of the bank.
+    """The turn with the maximum load factor, by ever finer steps of the bank.
 
     The search starts at the ``level`` turn, if any, and returns it if no other has more: a trim
     with the path angle free may end in a spiral descent, steep and with a low load factor.

@@ -26,9 +26,9 @@ def mark_faults(table: pd.DataFrame, unsupercharged: bool = False) -> pd.DataFra
     Stall speed grows with the weight and falls with the flaps, the airspeed at the lift limit grows
     with the load factor, pulled or pushed, no glide climbs with the throttle closed, the best rate
     of climb of piston engines without a supercharger falls with the altitude, and load factors are
-    within the limit of the same table. A value that breaks one where its
-    search gave up is removed. Of values that contradict each other the fault is the one that
-    contradicts most, or else the one whose search gave up, or else both.
+    within the limit of the same table. A value that breaks one where its search gave up is removed.
+    Of values that contradict each other the fault is the one that contradicts most, or else the one
+    whose search gave up, or else both.
 
     Parameters
     ----------
@@ -45,9 +45,10 @@ def mark_faults(table: pd.DataFrame, unsupercharged: bool = False) -> pd.DataFra
     if unsupercharged:
         climbs = numbers[numbers.quantity == "best rate of climb"]
         pairs |= {pair: _CLIMB for pair in _falls(climbs, "weight_lb", "altitude_ft", -1.0)}
-    lift = numbers[numbers.quantity == "speed at the lift limit"]
-    for push, sign in ((lift.load_factor < 0.0, -1.0), (lift.load_factor > 0.0, 1.0)):
-        pairs |= {p: _LIFT for p in _falls(lift[push], "weight_lb", "load_factor", sign)}
+    limits = table[table.quantity == "speed at the lift limit"]
+    for sign in (-1.0, 1.0):
+        side = limits[sign * limits.load_factor > 0.0].dropna(subset=["value"])
+        pairs |= {pair: _LIFT for pair in _falls(side, "weight_lb", "load_factor", sign)}
     gave_up = table.reason == GAVE_UP
     while pairs:
         count = Counter(row for pair in pairs for row in pair)
@@ -59,8 +60,7 @@ def mark_faults(table: pd.DataFrame, unsupercharged: bool = False) -> pd.DataFra
     sinks = numbers[numbers.quantity.isin(["sink rate", "least sink rate"])]
     for row in sinks.index[sinks.value < 0.0]:
         texts[row] = "it climbs with the throttle closed"
-    limits = table.quantity == "speed at the lift limit"
-    limit = table[limits].load_factor.astype(float).max()
+    limit = limits.load_factor.astype(float).max()
     turns = numbers[numbers.quantity.isin(["sustained load factor", "instantaneous load factor"])]
     for row in turns.index[turns.value > limit + 1e-6]:
         texts[row] = f"above the limit load factor, {limit:.2g} g"
