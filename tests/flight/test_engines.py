@@ -404,6 +404,38 @@ def test_so_is_one_of_roll_or_yaw(tmp_path, command):
     assert (error.reason, error.command) == ("no effect", command)
 
 
+@pytest.mark.parametrize(
+    ("name", "low", "high", "condition", "end"),
+    [
+        ("rudder", -0.1, 0.1, {"beta": 8}, 1.0),
+        ("rudder", -0.1, 0.1, {"beta": -8}, -1.0),
+        ("rudder", 0.0, 0.1, {"beta": -8}, -1.0),
+        ("rudder", -0.02, 0.02, {"mode": "turn", "bank": 40}, -1.0),
+    ],
+)
+def test_a_command_that_the_model_limits_to_a_part_of_its_range_is_at_its_end(
+    tmp_path, name, low, high, condition, end
+):
+    # beyond the model's limits no change of the command acts on anything; in plain JSBSim the
+    # sideslip or turn needs more than they allow
+    limits = f"""<system name="limits"><channel name="limits"><pure_gain name="limits/command">
+        <input>fcs/{name}-cmd-norm</input><gain>1</gain>
+        <clipto><min>{low}</min><max>{high}</max></clipto></pure_gain></channel></system>"""
+    cut = rf"<input>\s*fcs/{name}-cmd-norm\s*</input>", "<input>limits/command</input>"
+    root = outside.changed(tmp_path, "c172x", cut, outside.before("flight_control", limits))
+    error = refused(root, **condition)
+    assert (error.reason, error.limit) == (name, end)
+    free = trim(Airframe("c172x"), TrimCondition(**{**SINGLE, **condition}))
+    assert not low < free.rudder < high
+
+
+def test_a_command_at_the_models_own_limit_has_an_effect():
+    # above 0.35 the Camel's rudder moves no further; where the search ends there depends on the
+    # last digit
+    error = refused(None, "Camel", speed=85, mode="pull-up", load_factor=3, gamma=8)
+    assert error.reason in ("thrust", "rudder")
+
+
 def test_a_propeller_without_inertia_is_the_reason_at_any_speed(tmp_path):
     root = outside.light_propeller(tmp_path, math.inf)
     for speed in (70, 90, 110):

@@ -283,7 +283,6 @@ def test_a_pull_up_curves_the_path_by_the_load_factor():
         ("SGS", {"altitude": 5000, "speed": 60}, "thrust", None),
         ("c172p", {"altitude": 3, "speed": 70}, "ground", None),
         # its commands have effects
-        ("Camel", {"speed": 85, "mode": "pull-up", "load_factor": 3, "gamma": 8}, "thrust", 1.0),
     ],
 )
 def test_a_failure_names_the_limit_and_its_value(aircraft, condition, reason, limit):

@@ -294,6 +294,8 @@ def _limit(airframe: Airframe, ending: Ending) -> TrimError:
     """The error of the limit at which the search ended, or of none."""
     flight = ending.flight
     name, limit = _bound(ending)
+    if not name:
+        name, limit = _insufficient(ending)
     if name in _ANGLES:
         limit = math.degrees(limit)  # type: ignore[arg-type]
     reason = _LIMITS.get(name, "no convergence" if flight.propellers.steady else "propeller")
@@ -312,6 +314,27 @@ def _bound(ending: Ending) -> tuple[str, float | None]:
         if at_end and flight.settled(x_end)[0] * r[0] > 0.0:
             name, x = "throttle", x_end
     return name, float(x[flight.names.index(name)]) if name else None
+
+
+def _insufficient(ending: Ending) -> tuple[str, float | None]:
+    """The command that leaves the largest residual at both ends of its range, and the better end.
+
+    The search may end before the end of a range where the model limits the command to a part of it.
+    """
+    flight, x, r = ending.flight, ending.x, abs(ending.r)
+    for unknowns, acceleration in COMMANDS.values():
+        name = next((name for name in unknowns if name in flight.names), "")
+        if not name or flight.used[int(r.argmax())] != acceleration:
+            continue
+        i, row = flight.names.index(name), int(r.argmax())
+        residuals = dict[float, float]()
+        for limit in (float(flight.low[i]), float(flight.high[i])):
+            y = x.copy()
+            y[i] = limit
+            residuals[limit] = float(flight.settled(y)[row] * ending.r[row])
+        if min(residuals.values()) > 0.0:
+            return name, min(residuals, key=residuals.__getitem__)
+    return "", None
 
 
 def _binding(ending: Ending) -> str:

@@ -81,19 +81,28 @@ def effects(
         names = throttles(airframe.engines) if name == "throttle" else [STATE[name]] if name else []
         if not names:
             continue
-        i, y = flight.names.index(name), x.copy()
-        step = _STEP if x[i] + _STEP <= flight.high[i] else -_STEP
-        y[i] += step
-        motion = flight.settled(y)
-        rewrites = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
-        # without the command, what systems with memory (airships) change meanwhile
-        again = flight.settled(x)
-        row = flight.used.index(acceleration)
-        change = float(motion[row] - 0.5 * (base[row] + again[row]))
-        base = again
-        size = change * RESIDUALS[acceleration] / step
-        moves = not abs(change) <= NONE  # NaN is an effect
+        i, row = flight.names.index(name), flight.used.index(acceleration)
+        # the model may limit the command to a part of its range: to the farther end then
+        for step in _steps(flight, i, x[i]):
+            y = x.copy()
+            y[i] += step
+            motion = flight.settled(y)
+            rewrites = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
+            # without the command, what systems with memory (airships) change meanwhile
+            again = flight.settled(x)
+            change = float(motion[row] - 0.5 * (base[row] + again[row]))
+            base = again
+            size = change * RESIDUALS[acceleration] / step
+            moves = not abs(change) <= NONE  # NaN is an effect
+            if moves:
+                break
         yield Effect(command, tuple(names), acceleration, size, moves, rewrites)
+
+
+def _steps(flight: SteadyFlight, i: int, value: float) -> tuple[float, float]:
+    """Changes of an unknown: by `_STEP`, and to the farther end of its range."""
+    down, up = float(flight.low[i] - value), float(flight.high[i] - value)
+    return _STEP if up >= _STEP else -_STEP, max(down, up, key=abs)
 
 
 def _at_rest(flight: SteadyFlight, x: np.ndarray) -> np.ndarray:
