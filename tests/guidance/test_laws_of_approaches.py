@@ -328,8 +328,8 @@ class Flare:
 
 
 @pytest.mark.parametrize("astray", [False, True])
-@pytest.mark.parametrize("alpha", [0.0, 3.0])
-def test_flare_hold(wires, alpha, astray):
+@pytest.mark.parametrize(("alpha", "aside"), [(0.0, -14.0), (3.0, 14.0)])
+def test_flare_hold(wires, alpha, aside, astray):
     # 8 s of approach, flare, roll-out from 25 s with a bounce, go-around from 35 s
     limits, rng, t = (-0.25, 0.25), np.random.default_rng(10), T * np.arange(N)
 
@@ -340,7 +340,8 @@ def test_flare_hold(wires, alpha, astray):
         "h_agl": along(95.0, 35.0, 5.0, 5.0, 90.0, noise=0.3),
         "hdot": along(-6.0, -6.0, -2.0, 0.0, 8.0, noise=1.0),
         "vc": along(90.0, 80.0, 75.0, 50.0, 70.0, noise=1.0),
-        "loc_ft": along(3.0, 8.0, -5.0, 5.0, 9.0, noise=1.0),
+        # at the end of the roll-out beyond the limits of the steering
+        "loc_ft": along(3.0, 8.0, 0.5 * aside, aside, 9.0, noise=1.0),
         "loc_dist": 9000.0 - np.cumsum(T * np.interp(t, [0.0, 25.0, 33.0], [130.0, 130.0, 6.0])),
         "alpha": along(alpha, alpha, alpha, alpha, alpha, noise=alpha / 4),
         **{name: wander(rng, 0.05) for name in ("elevator", "aileron", "rudder", "throttle")},
