@@ -9,7 +9,7 @@ with the tanks at a fifth and full.
 import sys
 from dataclasses import replace
 
-import numpy as np
+import pandas as pd
 from gain_tables import flight_of, flown_by, fuel, seen_by, table_of
 from tables import write_table
 
@@ -21,11 +21,8 @@ from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names
 T = 1 / 60
 # s before the engine fails, and after it; the last of them; ft of climb
 FAILS, AFTER, LAST, CLIMBS = 20.0, 100.0, 20.0, 20_000.0
-ENGINES = """\
-| | light: sideslip at the end, largest [deg] | rudder | heading [deg] \
-| lowest airspeed (limit) [kt] | height [ft] \
-| heavy: sideslip | rudder | heading | airspeed | height |
-|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"""
+# of the tanks
+FUEL = {"light": 0.2, "heavy": 1.0}
 
 
 def pilot(name):
@@ -43,10 +40,7 @@ def stop_engine(plane):
 
 
 def engine_out(name, share, climbs):
-    """Fly with a failed engine: signals from the failure on, or an error; and the lowest airspeed.
-
-    Columns: sideslip, rudder, its excess, heading error, height gained, airspeed, throttle.
-    """
+    """Signals from the failure of an engine on, and the table's lowest airspeed at the end."""
     flight, schedule = flight_of(name), read_gains(table_of(name))
     nominal = schedule.points[schedule.nominal]
     tanks = fuel(Aircraft(name, condition=flight.condition, create=flight.create), 1.0)
@@ -61,7 +55,7 @@ def engine_out(name, share, climbs):
     references = {f"{port}_ref": seen[port] for port in ("h", "psi", "vc")}
     if climbs:
         references |= {"v_mode": 2.0, "thr_ref": 1.0, "h_ref": seen["h"] + CLIMBS}
-    psi, h = seen["psi"], seen["h"]
+    psi = seen["psi"]
 
     def asked(k, seen):
         if k * T >= FAILS:
@@ -69,38 +63,42 @@ def engine_out(name, share, climbs):
         return references
 
     for command, seen in flown_by(pilot(name), plane, round((FAILS + AFTER) / T), asked):
+        row = {signal: seen[signal] for signal in ("beta", "h", "vc")}
         off = (seen["psi"] - psi + 180.0) % 360.0 - 180.0
-        moved = seen["beta"], command[2], seen["rud_sat"], off, seen["h"] - h, seen["vc"]
-        rows.append((*moved, command[3]))
-    return np.array(rows[round(FAILS / T) :]), schedule.at(seen["h"], seen["vc"]).envelope.vc_min
+        rows.append({**row, "off": off, "rudder": command[2]})
+    y = pd.DataFrame(rows[round(FAILS / T) :])
+    return y, schedule.at(seen["h"], seen["vc"]).envelope.vc_min
 
 
 def main(names):
     """The table of failed engines."""
-    lines = [ENGINES]
+    rows = []
     for name in names or aircraft_names():
         if not table_of(name).exists():
             continue
         if Airframe(name, create=flight_of(name).create).engines < 2:
             continue
         for climbs, phase in ((True, "climb"), (False, "cruise")):
-            cells = [f"| {name}, {phase}"]
-            for share in (0.2, 1.0):
+            row = {"": f"{name}, {phase}"}
+            for load, share in FUEL.items():
+                sideslip = f"{load}: sideslip at the end, largest [deg]"
                 try:
                     y, slowest = engine_out(name, share, climbs)
                 except BlocksError as error:
-                    cells.append(f"{error}"[:60] + " | | | | ")
+                    row[sideslip] = f"{error}"[:60]
                     continue
-                last = y[-round(LAST / T) :].mean(axis=0)
-                cells.append(
-                    f"{abs(last[0]):.1f}, {np.abs(y[:, 0]).max():.1f} | {last[1]:+.2f} "
-                    f"| {np.abs(y[:, 3]).max():.1f} | {y[:, 5].min():.0f} ({slowest:.0f}) "
-                    f"| {y[-1, 4] - y[0, 4]:+.0f}"
-                )
-            lines.append(" | ".join(cells) + " |")
-            print(lines[-1], flush=True)
+                last = y[-round(LAST / T) :].mean()
+                row |= {
+                    sideslip: f"{abs(last.beta):.1f}, {y.beta.abs().max():.1f}",
+                    f"{load}: rudder": f"{last.rudder:+.2f}",
+                    f"{load}: heading [deg]": f"{y.off.abs().max():.1f}",
+                    f"{load}: lowest airspeed (limit) [kt]": f"{y.vc.min():.0f} ({slowest:.0f})",
+                    f"{load}: height [ft]": f"{y.h.iloc[-1] - y.h.iloc[0]:+.0f}",
+                }
+            print(*row.values(), sep=" | ", flush=True)
+            rows.append(row)
     if not names:
-        write_table("autopilots-engines", "\n".join(lines) + "\n")
+        write_table("autopilots-engines", rows)
 
 
 if __name__ == "__main__":

@@ -111,22 +111,19 @@ def _searched(flight):
     return True
 
 
-HEADER = """\
-| aircraft | engines | altitude ft | KCAS | gear | alpha deg | throttle | drift ft | verdict \
-| by JSBSim |
-|---|--:|--:|--:|---|--:|--:|--:|---|---|
-"""
-
-
-def format_row(row):
-    """One line of the Markdown table under `HEADER`."""
-    numbers = [""] * 6
+def table_row(row):
+    """The row of the table of the fleet, as texts."""
+    cells = {"aircraft": row.aircraft, "engines": "" if row.engines is None else f"{row.engines}"}
+    search = ""
     if row.flight is not None:
         condition, found = row.flight.condition, row.flight.trim
-        gear = "up" if condition.gear == 0.0 else "as is"
-        throttle = f"{found.throttle[0]:.3f}" if found.throttle else ""
-        numbers = [f"{condition.altitude:.0f}", f"{condition.speed:.0f}", gear]
-        numbers += [f"{found.alpha:.2f}", throttle, f"{row.drift:+.1f}"]
-    engines = "" if row.engines is None else str(row.engines)
-    search = "" if row.flight is None else "trims" if row.by_jsbsim else "fails"
-    return f"| {' | '.join([row.aircraft, engines, *numbers, row.verdict, search])} |"
+        cells |= {
+            "altitude ft": f"{condition.altitude:.0f}",
+            "KCAS": f"{condition.speed:.0f}",
+            "gear": "up" if condition.gear == 0.0 else "as is",
+            "alpha deg": f"{found.alpha:.2f}",
+            "throttle": f"{found.throttle[0]:.3f}" if found.throttle else "",
+            "drift ft": f"{row.drift:+.1f}",
+        }
+        search = "trims" if row.by_jsbsim else "fails"
+    return cells | {"verdict": row.verdict, "by JSBSim": search}

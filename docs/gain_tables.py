@@ -16,9 +16,10 @@ import json
 import math
 from dataclasses import replace
 from functools import partial
+from operator import attrgetter
 
 import numpy as np
-from tables import EVIDENCE, measured, put, write_table
+from tables import EVIDENCE, measured, put, read_table, write_table
 
 from pathsim_jsbsim_blocks import Aircraft, Autopilot, TrimCondition
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, read_gains, table
@@ -39,31 +40,6 @@ from pathsim_jsbsim_blocks.design.requirements import (
 from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
 from pathsim_jsbsim_blocks.errors import BlocksError, DesignError, FlightError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names, level_flight, trim
-
-# KCAS and Mach number: VMO and MMO, or VNE, by the sources in
-# docs/evidence/autopilots-limits.csv; none known of the others
-FASTEST = {
-    "737": (340.0, 0.82),
-    "787-8": (350.0, 0.90),
-    "A320": (350.0, 0.82),
-    "B747": (375.0, 0.92),
-    "Concorde": (400.0, 2.04),
-    "F4N": (750.0,),
-    "J3Cub": (106.0,),
-    "L17": (165.0,),
-    "MD11": (365.0, 0.87),
-    "OV10": (350.0,),
-    "T37": (382.0, 0.70),
-    "c172p": (158.0,),
-    "c172r": (163.0,),
-    "c310": (223.0,),
-    "f104": (750.0, 2.0),
-    "f15": (800.0, 2.5),
-    "f16": (800.0, 2.05),
-    "fokker100": (320.0, 0.77),
-    "global5000": (340.0, 0.89),
-    "t6texan2": (316.0, 0.67),
-}
 
 # of the airspeed of level flight
 SPEEDS = (0.8, 1.0, 1.25)
@@ -94,6 +70,14 @@ def altitudes(name, middle):
         yield from (((altitude,), speeds) for altitude, speeds in CRUISE.items())
 
 
+def fastest(name):
+    """VMO or VNE in KCAS, and MMO, as far as they are known."""
+    for row in read_table("autopilots-limits"):
+        if row["aircraft"].partition(" ")[0] == name:
+            return {limit: float(row[limit]) for limit in ("vmo", "mmo") if row[limit]}
+    return {}
+
+
 def designed(name):
     """The designs of one aircraft."""
     flight = flight_of(name)
@@ -122,8 +106,8 @@ def designed(name):
             else:
                 designs += found.designs
                 break
-    fastest = dict(zip(("vmo", "mmo"), FASTEST.get(name, ()), strict=False))
-    designs = [replace(d, envelope=replace(d.envelope, **fastest)) for d in designs]
+    limits = fastest(name)
+    designs = [replace(d, envelope=replace(d.envelope, **limits)) for d in designs]
     designs.sort(key=lambda design: (design.condition.altitude, design.condition.speed))
     nominal = [
         (d.condition.altitude, d.condition.speed) == (condition.altitude, condition.speed)
@@ -156,12 +140,6 @@ FULL = 0.85
 # s of the steps, that of the altitude without its climb
 SECONDS = {x: r.seconds for x, r in STEP_REQUIREMENTS.items()} | {"altitude": 80.0}
 
-HEADER = """\
-| aircraft | KCAS | pitch: s, deg | roll: s, deg | heading: s, deg | in the turn: sideslip deg, ft \
-| altitude: s, ft | speed: s, kt, ft | largest error at the end | predicted settling | verdict |
-|---|--:|--:|--:|--:|--:|--:|--:|---|--:|---|
-"""
-
 
 def asked(loop, gains, condition, down, seconds):
     """Size and seconds of a step, one down for the loops in ``down``, longer by its climb."""
@@ -182,25 +160,27 @@ def no_throttle(fresh, condition, trim):
     return {"speed"} if needed > max(FULL, now) else set()
 
 
-def flights(name, gains, condition, create, predicted=None):
+def flights(label, gains, condition, create, predicted=None):
     """One row of the table of flights; ``predicted`` are settling times by loop."""
 
     def fresh(there=condition):
-        return Aircraft(name, condition=there, create=create)
+        return Aircraft(label.partition(",")[0], condition=there, create=create)
 
     down = no_throttle(fresh, condition, fresh().trim)
-    cells, missed, late, apart = [], [], [], []
+    row = {"aircraft": label, "KCAS": f"{condition.speed:.0f}"}
+    missed, late, apart = [], [], []
     for loop, step in STEPS.items():
+        asked_for = STEP_REQUIREMENTS[loop]
+        column = f"{loop}: s, {asked_for.unit}{', ft' if loop == 'speed' else ''}"
         size, seconds = asked(loop, gains, condition, down, SECONDS[loop])
         try:
             flown = fly_step(fresh, gains, step, size, seconds)
         except FlightError:
-            cells.append("ends")
+            row[column] = "ends"
             missed.append(loop)
             continue
         quality = flown.quality
-        asked_for = STEP_REQUIREMENTS[loop]
-        kept = np.abs(flown.outputs["h"] - flown.outputs["h"][0]).max()
+        kept = largest_change(flown, "h")
         fits = quality.settling <= asked_for.settling and quality.overshoot <= asked_for.overshoot
         if loop == "speed":
             fits = fits and kept <= ALTITUDE_KEPT
@@ -208,7 +188,12 @@ def flights(name, gains, condition, create, predicted=None):
             missed.append(loop)
         if not quality.steady_error <= asked_for.final_error:
             missed.append(f"{loop} error")
-        text = f"{quality.settling:.1f}, {quality.overshoot:.2g}"
+        row[column] = f"{quality.settling:.1f}, {quality.overshoot:.2g}"
+        if loop == "heading":
+            slip = largest_change(flown, "beta")
+            row["in the turn: sideslip deg, ft"] = f"{slip:.1f}, {kept:.0f}"
+        elif loop == "speed":
+            row[column] += f", {kept:.0f}"
         share = quality.steady_error / asked_for.final_error
         late.append((share, f"{loop} {quality.steady_error:.2g}"))
         if predicted:
@@ -216,16 +201,16 @@ def flights(name, gains, condition, create, predicted=None):
                 # predicted are the gains of this point, which a table changes during these steps
                 quality = fly_step(fresh, at_point(gains, condition), step, size, seconds).quality
             apart.append(abs(quality.settling / predicted[loop] - 1.0))
-        if loop == "heading":
-            slip = np.abs(flown.outputs["beta"] - flown.outputs["beta"][0]).max()
-            cells += [text, f"{slip:.1f}, {kept:.0f}"]
-        elif loop == "speed":
-            cells.append(f"{text}, {kept:.0f}")
-        else:
-            cells.append(text)
-    cells += [max(late)[1] if late else "", f"{max(apart):.0%}" if apart else ""]
-    verdict = "passes" if not missed else f"not: {', '.join(missed)}"
-    return f"| {name} | {condition.speed:.0f} | {' | '.join(cells)} | {verdict} |\n"
+    row["largest error at the end"] = max(late)[1] if late else ""
+    row["predicted settling"] = f"{max(apart):.0%}" if apart else ""
+    row["verdict"] = "passes" if not missed else f"not: {', '.join(missed)}"
+    return row
+
+
+def largest_change(flown, output):
+    """The farthest that an output moves from its value at the beginning of a step."""
+    y = flown.outputs[output]
+    return np.abs(y - y[0]).max()
 
 
 def at_point(gains, condition):
@@ -253,13 +238,10 @@ CRUISE_SECONDS = {"pitch": 10.0, "roll": 12.0, "heading": 60.0, "altitude": 40.0
 def fuel(plane, share):
     """Contents of the tanks in lb, all at the same share of what they hold."""
     fdm, contents = plane.airframe.fdm, {}
-    for i in range(20):
-        tank = f"propulsion/tank[{i}]/" if i else "propulsion/tank/"
-        if not plane.airframe.has(f"{tank}contents-lbs"):
-            break
-        full = fdm[f"{tank}pct-full"]
-        if full > 0.0:
-            contents[i] = share * fdm[f"{tank}contents-lbs"] / (0.01 * full)
+    for i, tank in enumerate(plane.airframe.tanks):
+        percent = fdm[tank.replace("contents-lbs", "pct-full")]
+        if percent > 0.0:
+            contents[i] = share * fdm[tank] / (0.01 * percent)
     return contents
 
 
@@ -291,25 +273,24 @@ def cruise_point(name, schedule, condition, create):
         if flown.stop > MAX_SECONDS_AT_A_STOP:
             missed.append(f"{loop} at a stop {flown.stop:.0f} s")
         if loop == "heading":
-            slip = np.abs(flown.outputs["beta"] - flown.outputs["beta"][0]).max()
+            slip = largest_change(flown, "beta")
             if slip > MAX_SIDESLIP:
                 missed.append(f"sideslip {slip:.1f} deg")
         elif loop == "speed":
-            kept = np.abs(flown.outputs["h"] - flown.outputs["h"][0]).max()
+            kept = largest_change(flown, "h")
             if kept > ALTITUDE_KEPT_OFF:
                 missed.append(f"{kept:.0f} ft in speed")
     return "; ".join(missed) or "passes"
 
 
-CRUISE_HEADER = "| aircraft | KCAS | 24,000 ft | 33,000 ft |\n|---|--:|---|---|\n"
-
-
-def cruise_row(name):
-    """One row of the steps of an airliner at cruise altitudes between those of its table."""
+def cruise_rows(name):
+    """The row of the steps of an airliner at cruise altitudes between those of its table."""
     schedule, condition, create, _ = nominal(name)
-    there = [replace(condition, altitude=altitude) for altitude in CRUISE_FLOWN]
-    cells = [cruise_point(name, schedule, point, create) for point in there]
-    return f"| {name} | {condition.speed:.0f} | {' | '.join(cells)} |\n"
+    row = {"aircraft": name, "KCAS": f"{condition.speed:.0f}"}
+    for altitude in CRUISE_FLOWN:
+        point = replace(condition, altitude=altitude)
+        row[f"{altitude:,.0f} ft"] = cruise_point(name, schedule, point, create)
+    yield row
 
 
 # what is fed back
@@ -329,32 +310,25 @@ def jumps(schedule):
     Between airspeeds the effect of a control changes with the dynamic pressure; where this is more,
     it is what a gain may change by.
     """
-    points = {(p.altitude, p.speed): p.gains for p in schedule.points}
-    found = {loop: [0, 0] for loop in FED_BACK}
-    for here, other in itertools.permutations(sorted(points), 2):
-        for i in (0, 1):
-            line = sorted(p for p in points if p[i] == here[i])
-            if here[i] == other[i] and line[line.index(here) + 1 :][:1] == [other]:
-                most = max(CHANGE, (other[1] / here[1]) ** 2)
-                for loop, name in ((x, name) for x in FED_BACK for name in FED_BACK[x]):
-                    a, b = (abs(getattr(getattr(points[p], loop), name)) for p in (here, other))
-                    found[loop][0] += 1
-                    found[loop][1] += max(a, b) > 1.001 * most * min(a, b)
-    return found
-
-
-def count_jumps():
-    """Rows of the table of gains that change from one point to the next."""
-    found = [jumps(read_gains(table_of(n))) for n in aircraft_names() if table_of(n).exists()]
-    yield "| loop | gains of neighbours | change by more | |\n|---|--:|--:|--:|\n"
-    for loop in FED_BACK:
-        n, jumped = (sum(x[loop][i] for x in found) for i in (0, 1))
-        yield f"| {loop} | {n} | {jumped} | {jumped / n:.0%} |\n"
+    changes = {loop: [0, 0] for loop in FED_BACK}
+    for axis, other in (("altitude", "speed"), ("speed", "altitude")):
+        points = sorted(schedule.points, key=attrgetter(axis, other))
+        for a, b in itertools.pairwise(points):
+            if getattr(a, axis) != getattr(b, axis):
+                continue
+            most = max(CHANGE, (b.speed / a.speed) ** 2)
+            for loop, names in FED_BACK.items():
+                gains = getattr(a.gains, loop), getattr(b.gains, loop)
+                for name in names:
+                    low, high = sorted(abs(getattr(loop_gains, name)) for loop_gains in gains)
+                    changes[loop][0] += 1
+                    changes[loop][1] += high > 1.001 * most * low
+    return changes
 
 
 def step_rows(name):
     """The row of a table's steps."""
-    return flights(name, *nominal(name))
+    yield flights(name, *nominal(name))
 
 
 def compared():
@@ -362,11 +336,8 @@ def compared():
     for name, condition in TUNED_AT.items():
         designed = design_gains(name, condition, check=False)
         predicted = {row.loop: row.settling for row in designed.report}
-        for kind, row in (
-            ("hand-tuned", flights(name, table(name).points[0].gains, condition, {})),
-            ("designed", flights(name, designed, condition, {}, predicted)),
-        ):
-            yield row.replace(name, f"{name}, {kind}", 1)
+        yield flights(f"{name}, hand-tuned", table(name).points[0].gains, condition, {})
+        yield flights(f"{name}, designed", designed, condition, {}, predicted)
 
 
 def turbulence(severity, wind, seed):
@@ -381,26 +352,14 @@ def turbulence(severity, wind, seed):
 
 # ft above the ground; of the lowest level airspeed: found by steps of this ratio, and where flights
 # begin, in this order; what is asked for; s; random seeds
-NEAR, FINE, BEGINS, TOO_SLOW, NEAR_SECONDS, SEEDS = (
-    200.0,
-    0.99,
-    (1.25, 1.35, 1.5),
-    0.8,
-    90.0,
-    (1, 2, 3),
-)
+NEAR, FINE, BEGINS = 200.0, 0.99, (1.25, 1.35, 1.5)
+TOO_SLOW, NEAR_SECONDS, SEEDS = 0.8, 90.0, (1, 2, 3)
 SLOW_T = 1 / 60
 # of the airspeed of level flight, where gear and flaps come down; deg or of the throttle, by which
 # they change it
 FASTEST_DOWN, MOVED = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.45), 0.01
 # deg, where the flaps bring the stall below the angle of attack that the table allows
 ALPHA_DOWN = {"F80C": 12.0, "T38": 12.0, "fokker100": 10.0}
-
-SLOW_HEADER = """\
-| aircraft | lowest level KCAS by trim | asked for | lowest height of three, ft | lowest KCAS \
-| largest alpha, mean of 2 s, less alpha_max, deg |
-|---|--:|--:|--:|--:|--:|
-"""
 
 
 def lowest_level(name, condition, create):
@@ -496,39 +455,37 @@ def slow_rows(name):
     flight = flight_of(name)
     clean = replace(flight.condition, altitude=NEAR, solver="newton")
     down = lowered(name, clean, flight.create)
-    rows = slow_row(name, name, clean, flight)
+    yield slow_row(name, name, clean, flight)
     if down:
         most = ALPHA_DOWN.get(name)
         label = f"{name} with gear and flaps down" + (f"; alpha_max={most:g}" if most else "")
-        rows += slow_row(name, label, down, flight, most)
-    return rows
+        yield slow_row(name, label, down, flight, most)
 
 
 def slow_row(name, label, condition, flight, alpha_max=None):
     """The row of one configuration."""
     lowest = lowest_level(name, condition, flight.create)
+    row = {"aircraft": label, "lowest level KCAS by trim": f"{lowest:.0f}"}
+    row["asked for"] = f"{TOO_SLOW * lowest:.0f}"
     heights, speeds, alphas = [], [], []
     for seed in SEEDS:
         plane = begun(name, condition, lowest, flight, seed)
         try:
             h, vc, alpha = slow_flight(name, plane, TOO_SLOW * lowest, alpha_max)
         except FlightError:
-            return f"| {label} | {lowest:.0f} | {TOO_SLOW * lowest:.0f} | ends | | |\n"
+            return row | {"lowest height of three, ft": "ends"}
         heights.append(h.min())
         speeds.append(vc.min())
         alphas.append(np.convolve(alpha, np.full(120, 1 / 120), "valid").max())
-    worst = f"{min(heights):.0f} | {min(speeds):.0f} | {max(alphas):+.1f}"
-    return f"| {label} | {lowest:.0f} | {TOO_SLOW * lowest:.0f} | {worst} |\n"
+    return row | {
+        "lowest height of three, ft": f"{min(heights):.0f}",
+        "lowest KCAS": f"{min(speeds):.0f}",
+        "largest alpha, mean of 2 s, less alpha_max, deg": f"{max(alphas):+.1f}",
+    }
 
 
 # steps of the airspeed, shares of it; s before the step, after it, and from which it is judged
 SPEED_STEPS, SPEED_BEFORE, SPEED_AFTER, SPEED_JUDGED = (-0.2, -0.1, 0.1, 0.2), 5.0, 100.0, 75.0
-
-SPEED_HEADER = """\
-| aircraft | from KCAS | to KCAS | within 1 kt after s | largest error after 75 s, kt \
-| beyond the goal, kt | altitude, ft | throttle at its stop |
-|---|--:|--:|--:|--:|--:|--:|--:|
-"""
 
 
 def speed_steps(schedule):
@@ -548,7 +505,7 @@ def speed_steps(schedule):
 
 def speed_rows(name):
     """Rows of the table of large steps of the airspeed."""
-    schedule, flight, rows = read_gains(table_of(name)), flight_of(name), []
+    schedule, flight = read_gains(table_of(name)), flight_of(name)
     altitude = schedule.points[schedule.nominal].altitude
     for start, goal in speed_steps(schedule):
         condition = replace(flight.condition, altitude=altitude, speed=start)
@@ -556,24 +513,27 @@ def speed_rows(name):
         autopilot = Autopilot(gains=schedule, T=SLOW_T)
         before, after = round(SPEED_BEFORE / SLOW_T), round(SPEED_AFTER / SLOW_T)
         size = goal - start
-        flight_of_step = flown_by(
-            autopilot,
-            plane,
-            before + after,
-            lambda k, _, b=before, d=size: {"vc_ref": d * (k >= b)},
-        )
-        y = np.array([(seen["vc"], seen["h"], seen["thr_sat"]) for _, seen in flight_of_step])
+
+        def asked(k, _, size=size, before=before):
+            return {"vc_ref": size * (k >= before)}
+
+        flown = flown_by(autopilot, plane, before + after, asked)
+        y = np.array([(seen["vc"], seen["h"], seen["thr_sat"]) for _, seen in flown])
         vc, h, stop = y[before:].T
         error = np.sign(size) * (vc - goal)
         outside = np.flatnonzero(np.abs(error) > 1.0)
         time = (outside[-1] + 1) * SLOW_T if len(outside) else 0.0
         late = np.abs(error[round(SPEED_JUDGED / SLOW_T) :]).max()
-        rows.append(
-            f"| {name} | {start:.0f} | {goal:.0f} | {f'{time:.0f}' if time < SPEED_AFTER else ''} "
-            f"| {late:.1f} | {max(error.max(), 0.0):.1f} | {np.abs(h - h[0]).max():.0f} "
-            f"| {(stop != 0.0).mean():.0%} |\n"
-        )
-    return "".join(rows)
+        yield {
+            "aircraft": name,
+            "from KCAS": f"{start:.0f}",
+            "to KCAS": f"{goal:.0f}",
+            "within 1 kt after s": f"{time:.0f}" if time < SPEED_AFTER else "",
+            "largest error after 75 s, kt": f"{late:.1f}",
+            "beyond the goal, kt": f"{max(error.max(), 0.0):.1f}",
+            "altitude, ft": f"{np.abs(h - h[0]).max():.0f}",
+            "throttle at its stop": f"{(stop != 0.0).mean():.0%}",
+        }
 
 
 # turbulence of severity 4: s of flight, and from which it is judged; s and deg of a turn; then a
@@ -582,15 +542,9 @@ ROUGH = turbulence(4.0, 50.0, seed=7)
 ROUGH_SECONDS, ROUGH_JUDGED, ROUGH_TURN = 200.0, 10.0, (30.0, 30.0)
 SHEAR, SHEAR_FROM, SHEAR_WITHIN, SHEAR_SECONDS = 50.0, 5.0, 15.0, 60.0
 
-ROUGH_HEADER = """\
-| aircraft | KCAS | travel of the throttle per s | at a stop | airspeed, rms kt | altitude, ft \
-| lowest airspeed as 30 kt of headwind go, kt |
-|---|--:|--:|--:|--:|--:|--:|
-"""
 
-
-def rough_row(name):
-    """Row of the table of flights in turbulence and in a shear."""
+def rough_rows(name):
+    """The row of the table of flights in turbulence and in a shear."""
     schedule, condition, create, _ = nominal(name)
 
     def flown(seconds, wanted, properties=None, wind=None):
@@ -620,43 +574,47 @@ def rough_row(name):
 
     lowest = flown(SHEAR_SECONDS, lambda t: {}, wind=wind)[0].min()
     h -= condition.altitude
-    return (
-        f"| {name} | {condition.speed:.0f} | {travel:.3f} | {(stop != 0.0).mean():.0%} "
-        f"| {np.sqrt(np.mean(error**2)):.1f} | {h.min():.0f} to {h.max():.0f} | {lowest:.1f} |\n"
-    )
+    yield {
+        "aircraft": name,
+        "KCAS": f"{condition.speed:.0f}",
+        "travel of the throttle per s": f"{travel:.3f}",
+        "at a stop": f"{(stop != 0.0).mean():.0%}",
+        "airspeed, rms kt": f"{np.sqrt(np.mean(error**2)):.1f}",
+        "altitude, ft": f"{h.min():.0f} to {h.max():.0f}",
+        "lowest airspeed as 30 kt of headwind go, kt": f"{lowest:.1f}",
+    }
 
 
 FLIGHTS = {
-    "fly": ("designed-gains-steps", HEADER, step_rows),
-    "cruise": ("designed-gains-cruise", CRUISE_HEADER, cruise_row),
-    "slow": ("autopilots-near-ground", SLOW_HEADER, slow_rows),
-    "airspeed": ("designed-gains-airspeed", SPEED_HEADER, speed_rows),
-    "rough": ("designed-gains-turbulence", ROUGH_HEADER, rough_row),
+    "fly": ("designed-gains-steps", step_rows),
+    "cruise": ("designed-gains-cruise", cruise_rows),
+    "slow": ("autopilots-near-ground", slow_rows),
+    "airspeed": ("designed-gains-airspeed", speed_rows),
+    "rough": ("designed-gains-turbulence", rough_rows),
 }
 
 
 def fly(kind, names):
     """Fly the aircraft that have gains, and write the rows of a kind of flight as its table."""
-    file, header, row = FLIGHTS[kind]
+    file, rows_of = FLIGHTS[kind]
     fleet = AIRLINERS if kind == "cruise" else [n for n in aircraft_names() if table_of(n).exists()]
     rows = []
     for name in names or fleet:
-        rows.append(row(name))
-        print(rows[-1], end="", flush=True)
+        for row in rows_of(name):
+            print(*row.values(), sep=" | ", flush=True)
+            rows.append(row)
     if names:
         return
-    write_table(file, header + "".join(rows))
+    write_table(file, rows)
     if kind == "fly":
-        write_table("designed-gains-hand-tuned", HEADER + "".join(compared()))
-        print("".join(count_jumps()))
+        write_table("designed-gains-hand-tuned", list(compared()))
     if kind != "slow":
-        tables = [name for name, _, _ in FLIGHTS.values() if name.startswith("designed-gains")]
+        tables = [name for name, _ in FLIGHTS.values() if name.startswith("designed-gains")]
         put(EVIDENCE / "designed-gains.md", "commit", measured(*tables))
 
 
 def main(names):
     """Design the tables of aircraft."""
-    TABLES.mkdir(exist_ok=True)
     for name in names or (name for name in aircraft_names() if name not in KEPT):
         try:
             found = designed(name)

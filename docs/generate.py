@@ -25,21 +25,22 @@ import numpy as np
 
 matplotlib.use("agg")
 
-from fleet import HEADER, fleet_table, format_row, level_or_glide
+from fleet import fleet_table, level_or_glide, table_row
 from layers import layers_picture
-from pathsim import Connection, Simulation
-from pathsim.blocks import Block, Scope
-from tables import DOCS, EVIDENCE, measured, put, read_table, requirements_table, write_table
+from pathsim.blocks import Block
+from tables import (
+    DOCS,
+    EVIDENCE,
+    markdown,
+    measured,
+    put,
+    read_table,
+    requirements_table,
+    write_table,
+)
 
 import pathsim_jsbsim_blocks as package
-from pathsim_jsbsim_blocks import (
-    Aircraft,
-    BlocksError,
-    DoubletSource,
-    LinearisationError,
-    TrimError,
-    fly,
-)
+from pathsim_jsbsim_blocks import Aircraft, BlocksError, LinearisationError, TrimError
 from pathsim_jsbsim_blocks.catalogue import (
     diagram_groups,
     diagram_names,
@@ -76,18 +77,24 @@ Each diagram is a script and a model for PathView. `pathsim-jsbsim run NAME` fli
 """
 
 
-def picture(name):
-    """The figures of a diagram, as its script names them."""
-    (DOCS / "pictures").mkdir(exist_ok=True)
+@contextlib.contextmanager
+def drawing(name):
+    """A folder to draw in: the figures in it that begin with a name become pictures."""
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         with contextlib.redirect_stdout(io.StringIO()):
-            script = runpy.run_path(str(find_diagram(name)), run_name="__main__")
+            yield
+        for figure in Path().glob(f"{name}*.png"):
+            shrink(figure, DOCS / "pictures" / figure.name)
+        os.chdir(DOCS)
+
+
+def picture(name):
+    """The figures of a diagram, as its script names them."""
+    with drawing(name):
+        script = runpy.run_path(str(find_diagram(name)), run_name="__main__")
         if not name.startswith("check_case_"):
             thumbnail(name, script["figure"]())
-        for drawn in sorted(Path().glob(f"{name}*.png")):
-            shrink(drawn, DOCS / "pictures" / drawn.name)
-        os.chdir(DOCS)
 
 
 # of the gallery: the number of the panel that shows a diagram, if not the first one
@@ -118,9 +125,7 @@ def thumbnail(name, figure):
     ax.set(xlim=panel.get_xlim(), ylim=panel.get_ylim(), aspect=panel.get_aspect())
     ax.tick_params(bottom=False, left=False, labelbottom=False, labelleft=False)
     ax.spines[:].set_color("0.8")
-    folder = DOCS / "pictures" / "thumbnails"
-    folder.mkdir(exist_ok=True)
-    small.savefig(folder / f"{name}.png", dpi=200)
+    small.savefig(DOCS / "pictures" / "thumbnails" / f"{name}.png", dpi=200)
     plt.close(small)
     plt.close(figure)
 
@@ -129,23 +134,21 @@ def page_picture(name):
     """The figures that the code of a page shows."""
     text = (DOCS / f"{name}.md").read_text(encoding="utf-8")
     code = "".join(re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S))
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)
-        with saving_to(f"{name}.png"), contextlib.redirect_stdout(io.StringIO()):
-            exec(compile(code, f"{name}.md", "exec"), {})
-        for drawn in Path().glob(f"{name}*.png"):
-            shrink(drawn, DOCS / "pictures" / drawn.name)
-        os.chdir(DOCS)
+    with drawing(name), saving_to(f"{name}.png"):
+        exec(compile(code, f"{name}.md", "exec"), {})
 
 
 def study_pictures():
     """The figure of each study."""
-    (DOCS / "pictures").mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder:
-        for name, study in STUDIES.items():
-            drawn = Path(folder, f"{name}.png")
-            study.figure(study.table(progress=False)).savefig(drawn, dpi=100)
-            shrink(drawn, DOCS / "pictures" / f"study_{name}.png")
+    for name, study in STUDIES.items():
+        save(study.figure(study.table(progress=False)), f"study_{name}", dpi=100)
+
+
+def save(figure, name, dpi=150, width=800):
+    """Write a figure as a picture of the pages."""
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=dpi)
+    shrink(drawn, DOCS / "pictures" / f"{name}.png", width)
 
 
 def shrink(source, target, width=800):
@@ -197,10 +200,10 @@ def diagram_page(name):
     """The page of a diagram: what it shows, its figures, its model, its script."""
     summary, rest = docstring(name)
     summary = summary.replace("`", "")  # bold text has no code in it
-    shown = [f"{name}{kind}" for kind in ("", "_track", "_troposphere")]
-    shown = [picture for picture in shown if pictured(picture)]
+    drawn = {file.stem for file in (DOCS / "pictures").glob(f"{name}*.png")}
+    shown = [n for n in (name, f"{name}_track", f"{name}_troposphere") if n in drawn]
     # the diagram, and then what is inside its subsystems
-    shown += sorted(file.stem for file in (DOCS / "pictures").glob(f"{name}_pathview*.png"))
+    shown += sorted(n for n in drawn if n.startswith(f"{name}_pathview"))
     pictures = "\n\n".join(f".. image:: ../pictures/{n}.png" for n in shown)
     return f"""\
 {name}
@@ -222,10 +225,6 @@ def diagram_page(name):
    .. literalinclude:: ../../diagrams/{find_diagram(name).parent.name}/{name}.py
       :language: python
 """
-
-
-def pictured(name):
-    return (DOCS / "pictures" / f"{name}.png").is_file()
 
 
 def drawn_in_pathview():
@@ -253,16 +252,16 @@ def commands_tables():
     (actions,) = (a for a in parser._actions if a.dest == argparse.SUPPRESS and a.choices)
     parts = []
     for group, names in COMMAND_GROUPS.items():
-        parts.append(f"### {group[0].upper()}{group[1:]}\n\n| command | |\n|---|---|\n")
+        rows = []
         for name in names:
             command = actions.choices[name]
-            text = command.description.rstrip(".")
-            parts.append(f"| **{name}** | {text} |\n")
+            rows.append((f"**{name}**", command.description.rstrip(".")))
             for option in command._actions:
                 if option.dest != "help" and option.help != argparse.SUPPRESS:
-                    parts.append(option_row(option))
-        parts.append("\n")
-    return "".join(parts).rstrip()
+                    rows.append(option_row(option))
+        title = f"{group[0].upper()}{group[1:]}"
+        parts.append(f"### {title}\n\n{markdown('| command | |', rows, '---')}")
+    return "\n\n".join(parts)
 
 
 def option_row(option):
@@ -274,21 +273,21 @@ def option_row(option):
     text = (option.help or "").replace("|", "\\|").replace("\n", " ") % vars(option)
     if option.choices and not flag:
         words = [option.metavar or option.dest.upper()]
-    return f"| `{' '.join([flag, *map(str, words)]).strip()}` | {text} |\n"
+    return f"`{' '.join([flag, *map(str, words)]).strip()}`", text
 
 
 def blocks_tables():
     """A line for each block, by subject: its docstring's first, and the file that has the rest."""
     subjects = {part: subject for subject, parts in SUBJECTS.items() for part in parts}
-    rows = {subject: "" for subject in SUBJECTS}
+    rows = {subject: [] for subject in SUBJECTS}
     for name in sorted(package.__all__):
         block = getattr(package, name)
         if isinstance(block, type) and issubclass(block, Block):
             file = Path(inspect.getfile(block)).relative_to(DOCS.parent).as_posix()
             summary = inspect.getdoc(block).partition("\n")[0].replace("``", "`")
             subject = subjects[block.__module__.split(".")[1]]
-            rows[subject] += f"| [`{name}`](../../{file}) | {summary} |\n"
-    tables = (f"## {subject}\n\n| block | |\n|---|---|\n{rows[subject]}" for subject in rows)
+            rows[subject].append((f"[`{name}`](../../{file})", summary))
+    tables = (f"## {s}\n\n{markdown('| block | |', rows[s], '---')}\n" for s in SUBJECTS)
     return "\n".join(tables)
 
 
@@ -302,6 +301,8 @@ def fleet_page():
     for name, verdict in verdicts.items():
         if not verdict.startswith(("trims", "glides")):
             reasons.setdefault(verdict.removeprefix("no trim: "), []).append(name)
+    rows = ((why, ", ".join(names)) for why, names in reasons.items())
+    table = markdown("| no flight | aircraft |", rows, "---")
     modes = (EVIDENCE / "fleet.md").read_text(encoding="utf-8").partition("\n## Modes\n")
     return (
         f"# The fleet\n\n{measured('fleet', 'fleet-modes')}\n\n"
@@ -314,9 +315,7 @@ def fleet_page():
         "controls fixed; the "
         "drift is its height above the path then. A glide\nends in denser air, so it drifts too. "
         "The verdict names engines that run out of fuel in a flight of 60 s, fuel not frozen.\n\n"
-        "| no flight | aircraft |\n|---|---|\n"
-        + "".join(f"| {why} | {', '.join(names)} |\n" for why, names in reasons.items())
-        + "".join(modes[1:])
+        f"{table}\n" + "".join(modes[1:])
     )
 
 
@@ -354,23 +353,23 @@ def cases_table(found):
     # the F-16's cases compare no rates
     groups = {n: g for n, g in GROUPS.items() if all(g[1][0] in ds for ds in found.values())}
     head = " | ".join(f"{name} [{unit}]" for name, (unit, _) in groups.items())
-    rows = [f"| | check case | {head} | pass |", "|---" * (len(groups) + 3) + "|"]
+    rows = []
     for case, deviations in found.items():
-        cells = " | ".join(worst(deviations, quantities) for _, quantities in groups.values())
+        cells = [worst(deviations, quantities) for _, quantities in groups.values()]
         inside = sum(d.passes for d in deviations.values())
-        rows.append(f"| {case} | {CASES[case]} | {cells} | {inside} of {len(deviations)} |")
-    return "\n".join(rows)
+        rows.append((f"{case}", CASES[case], *cells, f"{inside} of {len(deviations)}"))
+    return markdown(f"| | check case | {head} | pass |", rows, "---")
 
 
-def ratios_table(found):
+def ratios(found):
     """Distances and limits of each quantity of each case, and the larger ratio of the two."""
-    numbers = ("worst", "band", "from_05", "limit_05", "ratio")
-    lines = [f"| case | quantity | unit | {' | '.join(numbers)} |", "|---" * 8 + "|"]
     for case, deviations in found.items():
         for d in deviations.values():
-            values = ("" if (x := getattr(d, n)) is None else f"{x:.3g}" for n in numbers)
-            lines.append(f"| {case:g} | {d.quantity} | {d.unit} | {' | '.join(values)} |")
-    return "\n".join(lines)
+            row = {"case": f"{case:g}", "quantity": d.quantity, "unit": d.unit}
+            for name in ("worst", "band", "from_05", "limit_05", "ratio"):
+                number = getattr(d, name)
+                row[name] = "" if number is None else f"{number:.3g}"
+            yield row
 
 
 def default_table():
@@ -381,38 +380,33 @@ def default_table():
 
 def doublet(hz, integrators):
     """Angle of attack and pitch angle of a c172p in an elevator doublet, at 30 Hz."""
-    plane = Aircraft("c172p", altitude=5000, speed=90, T=1 / hz, integrators=integrators)
-    source, scope = DoubletSource(amplitude=0.1, start=1.0), Scope()
-    wires = [
-        Connection(source, plane["elevator"]),
-        Connection(plane["alpha"], scope[0]),
-        Connection(plane["theta"], scope[1]),
-    ]
-    sim = Simulation([source, plane, scope], wires, dt=1 / hz, log=False)
-    fly(sim, 12.0)
-    return scope.read()[1][:, :: hz // 30]
+    elevator = np.zeros((12 * hz, 4))
+    elevator[hz : 2 * hz, 0], elevator[2 * hz : 3 * hz, 0] = 0.1, -0.1
+
+    def plane():
+        return Aircraft("c172p", altitude=5000, speed=90, T=1 / hz, integrators=integrators)
+
+    names = list(Aircraft.output_port_labels)
+    return flown(plane, elevator)[:: hz // 30, [names.index("alpha"), names.index("theta")]]
 
 
 def doublet_table():
     """Errors of both presets in a doublet, against 1920 Hz."""
-    exact = doublet(1920, "precise")
-    rows = [
-        "| rate | alpha, default | alpha, precise | theta, default | theta, precise |",
-        "|---|---|---|---|---|",
-    ]
+    exact, rows = doublet(1920, "precise"), []
     for hz in (30, 60, 120, 480):
         default, precise = (
-            np.abs(doublet(hz, preset) - exact).max(axis=1) for preset in ("default", "precise")
+            np.abs(doublet(hz, preset) - exact).max(axis=0) for preset in ("default", "precise")
         )
         cells = [default[0], precise[0], default[1], precise[1]]
-        rows.append(f"| {hz} Hz | " + " | ".join(f"{x:.3f} deg" for x in cells) + " |")
-    return "\n".join(rows)
+        rows.append((f"{hz} Hz", *(f"{x:.3f} deg" for x in cells)))
+    head = "| rate | alpha, default | alpha, precise | theta, default | theta, precise |"
+    return markdown(head, rows, "---")
 
 
 def accuracy():
     """The tables of the check cases and of the integrators."""
     precise, f16 = check_cases(), check_cases(F16)
-    write_table("accuracy", ratios_table({**precise, **f16}))
+    write_table("accuracy", list(ratios({**precise, **f16})))
     page = EVIDENCE / "accuracy.md"
     put(page, "commit", measured("accuracy"))
     put(page, "check cases", cases_table(precise))
@@ -431,29 +425,27 @@ def scale_table():
     of_one_core = largest["processor_s"] / largest["runs"]
     busy = largest["processor_s"] < 0.8 * largest["wall_s"] * measured["workers"]
     kB = 1e3 * largest["journal_MB"] / largest["runs"]
-    table = [
+    rows = []
+    for batch in measured["batches"]:
+        cells = {cores: "" for cores in CORES} | {measured["workers"]: duration(batch["wall_s"])}
+        rows.append((f"{batch['runs']:,}", *cells.values(), f"{batch['journal_MB']:.2g} MB"))
+    for runs in (10**5, 10**7):
+        times = [duration(measured["start_s"] + runs * of_one_core / cores) for cores in CORES]
+        cells = f"{runs:,}", *times, f"{runs * kB / 1e3:,.0f} MB"
+        rows.append([f"*{cell}*" for cell in cells])
+    head = f"| flights | {' | '.join(f'{cores} cores' for cores in CORES)} | journal |"
+    return (
         f"Measured on {measured['date']} with {measured['workers']} workers (joblib "
         f"{measured['joblib']}) on {measured['processor']},\nPython {measured['python']}, jsbsim "
         f"{measured['jsbsim']}, PathSim {measured['pathsim']}: {1 / of_one_core:.1f} flights per "
         f"second and core. A worker takes {measured['start_s']:.1f} s\nto start, and "
         f"{measured['worker_MB']} MB of memory.\n\n"
-        f"| flights | {' | '.join(f'{cores} cores' for cores in CORES)} | journal |\n"
-        f"|--:|{'--:|' * len(CORES)}--:|\n"
-    ]
-    for batch in measured["batches"]:
-        cells = {cores: "" for cores in CORES} | {measured["workers"]: duration(batch["wall_s"])}
-        table.append(f"| {batch['runs']:,} | {' | '.join(cells.values())} | ")
-        table.append(f"{batch['journal_MB']:.2g} MB |\n")
-    for runs in (10**5, 10**7):
-        times = [duration(measured["start_s"] + runs * of_one_core / cores) for cores in CORES]
-        table.append(f"| *{runs:,}* | *{'* | *'.join(times)}* | *{runs * kB / 1e3:,.0f} MB* |\n")
-    table.append(
-        "\nRows in italics are not measured: they follow from the processor time of the largest "
+        f"{markdown(head, rows, first='--:')}\n\n"
+        "Rows in italics are not measured: they follow from the processor time of the largest "
         "batch, with as many\nflights on each core."
         + " The machine was busy with other work: the measured times are too long."
         * busy
     )
-    return "".join(table)
 
 
 def duration(seconds):
@@ -462,12 +454,6 @@ def duration(seconds):
             return f"{seconds / size:.{1 if seconds < 10 * size else 0}f} {unit}"
     return f"{seconds:.0f} s"
 
-
-MODES_HEADER = """\
-| aircraft | short period | phugoid | Dutch roll | roll | spiral | doublet error | vt, up first \
-| vt, down first | note |
-|---|---|---|---|--:|--:|--:|--:|--:|---|
-"""
 
 # what neither an even part nor the engine explains
 REASONS = {
@@ -479,12 +465,12 @@ REASONS = {
 
 def modes_table():
     """Write the natural modes of every aircraft that trims in level flight."""
-    lines = []
+    rows = []
     for name in aircraft_names():
         # a process for each: none must die
         with ProcessPoolExecutor(1) as pool:
-            lines.append(pool.submit(modes_of, name).result())
-    write_table("fleet-modes", MODES_HEADER + "".join(lines))
+            rows.append(pool.submit(modes_of, name).result())
+    write_table("fleet-modes", rows)
     put(EVIDENCE / "fleet.md", "counts", modes_counts())
 
 
@@ -494,18 +480,15 @@ def modes_counts():
     untrimmed = [name for name, note in notes.items() if note.startswith("no trim")]
     models = [row["aircraft"] for row in read_table("fleet-modes") if row["doublet error"]]
     without = [name for name in notes if name not in {*untrimmed, *models}]
-    lines = [
-        "| | aircraft |",
-        "|---|---|",
-        f"| no level flight or glide | {len(untrimmed)} |",
-        f"| no linear model | {', '.join(without)} |",
+    rows = [
+        ("no level flight or glide", f"{len(untrimmed)}"),
+        ("no linear model", ", ".join(without)),
     ]
-    kinds = {"elevator": ["elevator"], "aileron or rudder": ["aileron", "rudder"]}
-    for kind, inputs in (kinds | {"throttle": ["throttle"]}).items():
+    for inputs in (("elevator",), ("aileron", "rudder"), ("throttle",)):
         refused = re.compile(rf"to ({'|'.join(inputs)}) is not linear")
         names = [name for name in models if refused.search(notes[name])]
-        lines.append(f"| {kind} not linear | {', '.join(names)} |")
-    return "\n".join(lines)
+        rows.append((f"{' or '.join(inputs)} not linear", ", ".join(names)))
+    return markdown("| | aircraft |", rows, "---")
 
 
 # of linear-models.md: two aircraft without spools for comparison with the turbines
@@ -515,27 +498,24 @@ THROTTLES = ("c172p", "737", "global5000", "f16", "A4", "B747", "787-8", "MD11",
 def throttle_table():
     """Errors of the airspeed after doublets of the throttle that begin upwards and downwards."""
     rows = {row["aircraft"]: row for row in read_table("fleet-modes")}
-    lines = [f"| | {' | '.join(THROTTLES)} |", "|---|" + "--:|" * len(THROTTLES)]
-    for direction in ("up", "down"):
-        errors = [rows[name][f"vt, {direction} first"].rstrip("%") for name in THROTTLES]
-        lines.append(f"| {direction}wards first | {' | '.join(errors)} |")
-    return "\n".join(lines)
+    errors = [
+        [f"{direction}wards first"]
+        + [rows[name][f"vt, {direction} first"].rstrip("%") for name in THROTTLES]
+        for direction in ("up", "down")
+    ]
+    return markdown(f"| | {' | '.join(THROTTLES)} |", errors)
 
 
 def searches():
     """The row of trim.md: how many of the fleet each search trims."""
     rows = read_table("fleet")
-    trims = {kind: [row for row in rows if row["verdict"].startswith(kind)] for kind in KINDS}
-    jsbsim = sum(row["by JSBSim"] == "trims" for row in trims["trims"])
-    level, glides = (len(trims[kind]) for kind in KINDS)
+    level = [row for row in rows if row["verdict"].startswith("trims")]
+    jsbsim = sum(row["by JSBSim"] == "trims" for row in level)
+    glides = sum(row["verdict"].startswith("glides") for row in rows)
     return (
         f"| [the {len(rows)} bundled models](evidence/fleet.md) | {jsbsim} in level flight; "
-        f"glides are refused | {level} in level flight, {glides} in a glide |"
+        f"glides are refused | {len(level)} in level flight, {glides} in a glide |"
     )
-
-
-# first words of the verdicts of fleet.csv
-KINDS = ("trims", "glides")
 
 
 def modes_of(name):
@@ -544,7 +524,7 @@ def modes_of(name):
         return modes_row(name, level_or_glide(name))
     except BlocksError as error:
         reason = error.reason if isinstance(error, TrimError) else "it does not load"
-        return f"| {name} | | | | | | | | | no trim: {reason} |\n"
+        return {"aircraft": name, "note": f"no trim: {reason}"}
 
 
 def modes_row(name, flight):
@@ -560,17 +540,13 @@ def modes_row(name, flight):
             warnings.simplefilter("always")
             model = plane().linear_model(inputs=inputs)
     except LinearisationError as error:
-        reason = str(error).partition(": ")[2].replace("|", "/")
-        return f"| {name} | | | | | | | | | {reason} |\n"
-    modes = model.modes()
-
-    def cell(name):
-        found = [m for m in modes if m.name == name]
-        return ", ".join(
-            f"{m.frequency:.3g} / {m.damping:.2f}" if m.oscillatory else f"{m.pole.real:.3g}"
-            for m in found
-        )
-
+        return {"aircraft": name, "note": str(error).partition(": ")[2].replace("|", "/")}
+    row = dict.fromkeys(("aircraft", "short period", "phugoid", "Dutch roll", "roll", "spiral"), "")
+    row["aircraft"] = name
+    for m in model.modes():
+        if m.name in row:
+            text = f"{m.frequency:.3g} / {m.damping:.2f}" if m.oscillatory else f"{m.pole.real:.3g}"
+            row[m.name] += f", {text}" if row[m.name] else text
     errors, downwards = (doublet_errors(plane, model, size) for size in (0.01, -0.01))
     in_vt = [e.pop("vt", None) for e in (errors, downwards)]
     where = max(errors, key=errors.get)
@@ -581,10 +557,10 @@ def modes_row(name, flight):
     )
     if name in REASONS:
         remark += f". {REASONS[name]}"
-    cells = [cell(x) for x in ("short period", "phugoid", "Dutch roll", "roll", "spiral")]
-    cells += [f"{errors[where]:.1%} ({where})"]
-    cells += ["" if error is None else f"{error:.1%}" for error in in_vt]
-    return f"| {name} | {' | '.join(cells)} | {remark} |\n"
+    row["doublet error"] = f"{errors[where]:.1%} ({where})"
+    for direction, error in zip(("up", "down"), in_vt, strict=True):
+        row[f"vt, {direction} first"] = "" if error is None else f"{error:.1%}"
+    return row | {"note": remark}
 
 
 def doublet_errors(plane, model, size):
@@ -622,8 +598,7 @@ def write_pages():
 
 
 def fleet():
-    rows = "".join(f"{format_row(row)}\n" for row in fleet_table())
-    write_table("fleet", HEADER + rows)
+    write_table("fleet", [table_row(row) for row in fleet_table()])
     (EVIDENCE / "fleet.md").write_text(fleet_page(), encoding="utf-8")
 
 

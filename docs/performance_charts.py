@@ -20,12 +20,10 @@ import pandas as pd
 matplotlib.use("agg")
 
 from matplotlib import pyplot as plt
-from tables import commit, measured, read_table, write_table
+from tables import DOCS, EVIDENCE, commit, measured, read_table, write_table
 
 from pathsim_jsbsim_blocks.studies import performance_chart, performance_table
 from pathsim_jsbsim_blocks.studies.figures import is_fault
-
-EVIDENCE = Path(__file__).parent / "evidence"
 
 # column: quantity and number format; the first altitude and the model's own weight count
 COLUMNS = {
@@ -84,8 +82,8 @@ processor time. The charts of each aircraft on one page (PDF):
 
 def fleet():
     """Aircraft that trim, as the table of the fleet has it."""
-    table = pd.read_csv(EVIDENCE / "fleet.csv", dtype=str)
-    return list(table.aircraft[table.verdict.str.startswith(("trims", "glides"))])
+    steady = ("trims", "glides")
+    return [r["aircraft"] for r in read_table("fleet") if r["verdict"].startswith(steady)]
 
 
 def make(name, folder):
@@ -121,30 +119,32 @@ def value(table, quantity):
     return rows.value.iloc[0], rows.reason.iloc[0]
 
 
-def line(name, table):
-    cells, missing = [name], []
-    for quantity, form in COLUMNS.values():
+def table_row(name, table):
+    """The row of an aircraft, as texts."""
+    row, missing = {"aircraft": name}, []
+    for column, (quantity, form) in COLUMNS.items():
         number, reason = value(table, quantity)
         early = quantity.endswith("ceiling") and not pd.isna(reason)
-        cells.append("" if pd.isna(number) else f"{number:{form}}{'*' * early}")
+        row[column] = "" if pd.isna(number) else f"{number:{form}}{'*' * early}"
         if pd.isna(number) or early:
             missing.append(f"{quantity} ({reason})")
-    differences = table.difference_percent.abs()
-    median = f"{differences.median():.2f} %" if differences.count() else ""
-    largest = f"{differences.max():.1f} %" if differences.count() else ""
-    cells += [f"{differences.count()}", median, largest, f"{table.seconds.iloc[0]:.0f}"]
-    cells += [", ".join(missing), f"{is_fault(table).sum()}", table.commit.iloc[0]]
-    return f"| {' | '.join(cells)} |"
+    differences = table.difference_percent.dropna().abs()
+    return row | {
+        "flown": f"{len(differences)}",
+        "median": f"{differences.median():.2f} %" if len(differences) else "",
+        "largest": f"{differences.max():.1f} %" if len(differences) else "",
+        "time s": f"{table.seconds.iloc[0]:.0f}",
+        "missing": ", ".join(missing),
+        "faults": f"{is_fault(table).sum()}",
+        "commit": table.commit.iloc[0],
+    }
 
 
 def write(tables):
     """Put the rows of these aircraft into the table; the other rows stay."""
-    lines = {r["aircraft"]: f"| {' | '.join(r.values())} |" for r in read_table("performance")}
-    lines |= {name: line(name, table) for name, table in tables.items()}
-    flights = ("flown", "median", "largest", "time s")
-    names = ["aircraft", *COLUMNS, *flights, "missing", "faults", "commit"]
-    rows = [lines[name] for name in fleet() if name in lines]
-    write_table("performance", "\n".join([f"| {' | '.join(names)} |", *rows]))
+    rows = {row["aircraft"]: row for row in read_table("performance")}
+    rows |= {name: table_row(name, table) for name, table in tables.items()}
+    write_table("performance", [rows[name] for name in fleet() if name in rows])
 
 
 def page():
@@ -176,7 +176,6 @@ def main():
     folder, *names = sys.argv[1:]
     folder = Path(folder)
     folder.mkdir(exist_ok=True)
-    (EVIDENCE / "performance").mkdir(exist_ok=True)
     for name in names or fleet():
         print(f"{name}: {make(name, folder).seconds.iloc[0]:.0f} s", flush=True)
     tables = {name: make(name, folder) for name in fleet() if (folder / f"{name}.csv").exists()}
@@ -186,7 +185,7 @@ def main():
         table = tables["c172p"].drop(columns=["seconds", "commit"])
         for name, charts in FIGURES.items():
             figure = performance_chart(table, charts=charts)
-            figure.savefig(EVIDENCE.parent / "pictures" / f"performance_{name}.png", dpi=100)
+            figure.savefig(DOCS / "pictures" / f"performance_{name}.png", dpi=100)
 
 
 if __name__ == "__main__":

@@ -12,20 +12,24 @@ DOCS = Path(__file__).resolve().parent
 EVIDENCE = DOCS / "evidence"
 
 
-def write_table(name, markdown):
-    """Write a Markdown table as CSV beside the pages of evidence, which have no long tables.
+def write_table(name, rows):
+    """Write rows, dicts of texts, as CSV beside the pages of evidence, which have no long tables.
 
-    The last column is the commit whose code has made a row, unless the table has it already.
+    The longest row has all columns. The last column is the commit whose code has made a row, unless
+    the row has it already.
     """
-    lines = [line for line in markdown.splitlines() if not line.startswith("|---")]
-    rows = [[cell.strip() for cell in line.strip()[1:-1].split("|")] for line in lines]
-    if rows[0][-1] != "commit":
-        made_by = commit()
-        rows = [[*rows[0], "commit"], *([*row, made_by] for row in rows[1:])]
+    made_by = {"commit": commit()}
+    columns = {**max(rows, key=len), **made_by}
     with open(EVIDENCE / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        for row in rows:
-            writer.writerow(re.sub(r"\[([^]]+)\]\([^)]*\)", r"\1", cell) for cell in row)
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({**made_by, **row} for row in rows)
+
+
+def markdown(head, rows, align="--:", first="---"):
+    """A table in Markdown under the line of its head; all columns but the first aligned alike."""
+    rule = f"|{first}|{f'{align}|' * (head.count('|') - 2)}"
+    return "\n".join([head, rule, *(f"| {' | '.join(cells)} |" for cells in rows)])
 
 
 def commit():
@@ -56,6 +60,9 @@ def put(page, name, text):
     page.write_text(place.sub(lambda m: m[1] + text + m[2], before), encoding="utf-8")
 
 
+STEP_HEAD = """\
+| step | settles to | within | off the design point | overshoot | error at the end \
+| fraction of the travel |"""
 FURTHER = """
 
 | further | at the design point | off it |
@@ -102,25 +109,18 @@ def requirements_table():
     def limit(value, unit):
         return "" if math.isinf(value) else f"{value:g} {unit}".rstrip()
 
-    rows = ["| margins | Ms | with 50 ms of delay | gain | phase |", "|---|--:|--:|--:|--:|"]
+    margins, steps = [], []
     for i, m in enumerate(requirements.MARGINS):
         name = f"fallback {i}" if i else "target"
-        rows.append(f"| {name} | {m.Ms:g} | {m.Ms_delayed:g} | {m.gain:g} dB | {m.phase:g} deg |")
-    rows += [
-        "",
-        "| step | settles to | within | off the design point | overshoot | error at the end "
-        "| fraction of the travel |",
-        "|---|--:|--:|--:|--:|--:|--:|",
-    ]
+        numbers = f"{m.Ms:g}", f"{m.Ms_delayed:g}", f"{m.gain:g} dB", f"{m.phase:g} deg"
+        margins.append((name, *numbers))
     for loop, r in requirements.STEP_REQUIREMENTS.items():
-        cells = (
-            f"{loop}, {r.size:g} {r.unit}",
-            f"{r.tolerance:g} {r.unit}",
-            limit(r.settling, "s"),
-            limit(r.settling_off, "s"),
-            limit(r.overshoot, r.unit),
-            limit(r.final_error, r.unit),
-            limit(r.use, ""),
-        )
-        rows.append(f"| {' | '.join(cells)} |")
-    return "\n".join(rows) + FURTHER.format(**vars(requirements))
+        size = f"{loop}, {r.size:g} {r.unit}", f"{r.tolerance:g} {r.unit}"
+        settling = limit(r.settling, "s"), limit(r.settling_off, "s")
+        errors = limit(r.overshoot, r.unit), limit(r.final_error, r.unit)
+        steps.append((*size, *settling, *errors, limit(r.use, "")))
+    tables = (
+        markdown("| margins | Ms | with 50 ms of delay | gain | phase |", margins),
+        markdown(STEP_HEAD, steps),
+    )
+    return "\n\n".join(tables) + FURTHER.format(**vars(requirements))

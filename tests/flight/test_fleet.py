@@ -148,9 +148,8 @@ def test_rows_of_the_table(table):
     flies, created, glides, dry, refused, broken = table.fleet_table(
         ["c172p", "L17", "SGS", "Concorde", "ball", "blank"], duration=2.0
     )
-    assert table.format_row(flies).startswith(
-        "| c172p | 1 | 5000 | 89 | as is | 1.39 | 0.690 | +0.0 |"
-    )
+    cells = ["c172p", "1", "5000", "89", "as is", "1.39", "0.690", "+0.0"]
+    assert [*table.table_row(flies).values()][:8] == cells
     assert created.verdict == "trims with `fcs/flaps-pos-deg` created"
     assert glides.verdict == "glides at -2.2 deg"
     # 46 lb in each collector tank, 4.03 lb/s
@@ -184,7 +183,7 @@ def test_the_page_is_up_to_date():
 def test_rows_of_the_table_are_those_of_the_code(aircraft, table):
     (row,) = (row for row in evidence("fleet") if row["aircraft"] == aircraft)
     (made,) = table.fleet_table([aircraft])
-    assert table.format_row(made) == f"| {' | '.join([*row.values()][:-1])} |"
+    assert without_gaps(table.table_row(made)) == without_gaps(row)
 
 
 @pytest.mark.long
@@ -192,8 +191,11 @@ def test_rows_of_the_table_are_those_of_the_code(aircraft, table):
 def test_modes_of_the_table_are_those_of_the_code(aircraft, table):
     generate = importlib.import_module("generate")
     (row,) = (row for row in evidence("fleet-modes") if row["aircraft"] == aircraft)
-    cells = [cell.strip() for cell in generate.modes_of(aircraft).strip().strip("|").split("|")]
-    assert cells == [*row.values()][:-1]
+    assert without_gaps(generate.modes_of(aircraft)) == without_gaps(row)
+
+
+def without_gaps(row):
+    return {column: cell for column, cell in row.items() if cell and column != "commit"}
 
 
 def evidence(name):
