@@ -253,32 +253,25 @@ def draw_on(ax, picture, points=TEXT):
     blocks = picture["blocks"]
     for path in picture["wires"]:
         wire(ax, blocks, path)
+    middle = {"color": INK, "ha": "center", "va": "center", "zorder": 4}
     for x, y, text, name in blocks.values():
         w, h = size(text)
         if text:
-            ax.add_patch(
-                plt.Rectangle((x - w, y - h), 2 * w, 2 * h, fc=FILL, ec=EDGE, lw=1.4, zorder=3)
-            )
-            ax.text(x, y, text, color=INK, ha="center", va="center", fontsize=points, zorder=4)
-        else:
-            ax.add_patch(plt.Circle((x, y), w, fc=FILL, ec=EDGE, lw=1.4, zorder=3))
-            ax.text(x, y, "+", color=INK, ha="center", va="center", fontsize=TEXT, zorder=4)
-        below = -1 if text else 1  # wires meet an adder from below
-        ax.text(
-            x,
-            y + below * (h + 0.05),
-            name,
-            color=WIRE,
-            ha="center",
-            va="top" if text else "bottom",
-            fontsize=NAME,
-        )
+            shape = plt.Rectangle((x - w, y - h), 2 * w, 2 * h)
+            ax.text(x, y, text, fontsize=points, **middle)
+            place, va = y - (h + 0.05), "top"
+        else:  # wires meet an adder from below
+            shape = plt.Circle((x, y), w)
+            ax.text(x, y, "+", fontsize=TEXT, **middle)
+            place, va = y + h + 0.05, "bottom"
+        shape.set(fc=FILL, ec=EDGE, lw=1.4, zorder=3)
+        ax.add_patch(shape)
+        ax.text(x, place, name, color=WIRE, ha="center", va=va, fontsize=NAME)
     for x, y, text in picture.get("notes", ()):
         ax.text(x, y, text, color=WIRE, ha="center", va="bottom", fontsize=TEXT)
 
 
 def main():
-    FOLDER.mkdir(exist_ok=True)
     for name, picture in PICTURES.items():
         figure = draw(picture)
         figure.savefig(FOLDER / f"{name}.svg", transparent=True, metadata={"Date": None})

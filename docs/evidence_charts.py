@@ -6,14 +6,11 @@ python docs/evidence_charts.py NAME ...    some of them
 
 import re
 import sys
-import tempfile
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pandas as pd
-
-DOCS = Path(__file__).resolve().parent
-EVIDENCE = DOCS / "evidence"
+from generate import save
+from tables import EVIDENCE
 
 
 def read(name):
@@ -136,17 +133,6 @@ CHARTS = {
 }
 
 
-def main():
-    from generate import shrink
-
-    with tempfile.TemporaryDirectory() as folder:
-        for name in sys.argv[1:] or CHARTS:
-            file = Path(folder, f"{name}.png")
-            CHARTS[name]().savefig(file, dpi=150)
-            shrink(file, DOCS / "pictures" / f"evidence_{name}.png", width=1350)
-            plt.close("all")
-
-
 if __name__ == "__main__":
-    plt.switch_backend("agg")
-    main()
+    for name in sys.argv[1:] or CHARTS:
+        save(CHARTS[name](), f"evidence_{name}", width=1350)

@@ -71,13 +71,16 @@ def label(ax, x, y, text, colour, **style):
     ax.text(x, y, text, **{"color": colour, "ha": "center", "va": "center", **style})
 
 
-def arrow(ax, angle, length, colour, text, start=(0.0, 0.0), dashed=False, **offset):
-    """An arrow from ``start`` at ``angle`` (deg, from the right, counter-clockwise), labelled."""
-    dx, dy = turned([length], [0.0], angle)
-    end = start[0] + dx[0], start[1] + dy[0]
-    head(ax, start, end, colour, lw=1.8, ls="--" if dashed else "-", **WHOLE)
-    x, y = start[0] + 1.09 * dx[0], start[1] + 1.09 * dy[0]
-    label(ax, x + offset.get("dx", 0), y + offset.get("dy", 0), text, colour)
+def vector(ax, step, colour, text, start=(0.0, 0.0), dashed=False, dx=0.0, dy=0.0):
+    """An arrow by a step from ``start``, labelled beyond its end."""
+    (x, y), (u, v) = start, step
+    head(ax, start, (x + u, y + v), colour, lw=1.8, ls="--" if dashed else "-", **WHOLE)
+    label(ax, x + 1.09 * u + dx, y + 1.09 * v + dy, text, colour)
+
+
+def arrow(ax, angle, length, *style, **offset):
+    """A vector at an angle (deg, from the right, counter-clockwise)."""
+    vector(ax, turned(length, 0.0, angle), *style, **offset)
 
 
 def arc(ax, begin, end, radius, text, colour):
@@ -128,14 +131,15 @@ def structural():
             x = station(inches)
             ax.plot([x, x], [low, high], color=GRID, lw=0.8, ls="--", zorder=0)
             label(ax, x, low - 0.06, f"FS {inches}", GRID, va="top")
+
+    def level(ax, height, text):
+        ax.plot([-1.2, 1.35], [height, height], color=GRID, lw=0.8, ls="--", zorder=0)
+        ax.text(-1.25, height, text, color=GRID, ha="right", va="center")
+
     for inches in (0, 50):
-        z = WATERLINE + inches * INCH
-        side.plot([-1.2, 1.35], [z, z], color=GRID, lw=0.8, ls="--", zorder=0)
-        side.text(-1.25, z, f"WL {inches}", color=GRID, ha="right", va="center")
+        level(side, WATERLINE + inches * INCH, f"WL {inches}")
     for inches in (-100, 0, 100):
-        y = -inches * INCH
-        top.plot([-1.2, 1.35], [y, y], color=GRID, lw=0.8, ls="--", zorder=0)
-        top.text(-1.25, y, f"BL {inches}", color=GRID, ha="right", va="center")
+        level(top, -inches * INCH, f"BL {inches}")
     aircraft(side, outline())
     aircraft(top, plan(0, 0.98, wing=0.25))
     origin, cg = (station(0), WATERLINE), (station(42.1), WATERLINE + 37.7 * INCH)
@@ -278,19 +282,18 @@ def in_one_view(ax, phi, theta, psi):
     for part in PARTS.values():
         aircraft(ax, screen @ body @ np.transpose(part), alpha=0.4)
 
-    def direction(axis, length, colour, text, dashed=False, **offset):
-        x, y = screen @ axis
-        angle = np.degrees(np.arctan2(y, x))
-        arrow(ax, angle, length * np.hypot(x, y), colour, text, dashed=dashed, **offset)
+    def direction(axis, length, colour, text, **style):
+        vector(ax, length * (screen @ axis), colour, text, **style)
 
-    for axis, text in zip(np.eye(3), ("north", "east", "down"), strict=True):
-        direction(axis, 1.6 if text != "down" else 1.1, EARTH, text)
+    north, east, down_axis = np.eye(3)
+    direction(north, 1.6, EARTH, "north")
+    direction(east, 1.6, EARTH, "east")
+    direction(down_axis, 1.1, EARTH, "down")
     direction(heading[:, 0], 1.75, INERTIAL, r"$x_1$", dashed=True, dx=0.05)
     direction(heading[:, 1], 1.6, INERTIAL, r"$y_1$", dashed=True, dx=0.12, dy=0.1)
-    for axis, text, length in zip(
-        body.T, (r"$x_B$", r"$y_B$", r"$z_B$"), (1.75, 1.6, 1.1), strict=True
-    ):
-        direction(axis, length, BODY, text)
+    direction(body[:, 0], 1.75, BODY, r"$x_B$")
+    direction(body[:, 1], 1.6, BODY, r"$y_B$")
+    direction(body[:, 2], 1.1, BODY, r"$z_B$")
 
     def angle(begin, end, radius, text, dx=0.0):
         """An arc from one unit vector to another."""
@@ -303,7 +306,7 @@ def in_one_view(ax, phi, theta, psi):
         ax.plot(x, y, color=FORCE, lw=1.6)
         label(ax, 1.1 * x[20] + dx, 1.1 * y[20], text, FORCE, fontsize=12)
 
-    angle(np.eye(3)[0], heading[:, 0], 1.35, r"$\psi$")
+    angle(north, heading[:, 0], 1.35, r"$\psi$")
     angle(heading[:, 0], body[:, 0], 1.5, r"$\theta$")
     angle(heading[:, 1], body[:, 1], 1.3, r"$\phi$", dx=-0.16)
     ax.set(xlim=(-1.6, 2.1), ylim=(-1.35, 1.25))
@@ -336,10 +339,8 @@ def earth():
     """ECI and ECEF, the tangent plane of a place, and the local vertical frame of an aircraft."""
     figure, (ax,) = canvas(1, 7.6, 6.6)
 
-    def ray(start, direction, colour, text, dashed=False, dx=0.0, dy=0.0):
-        (u0, v0, _), (u, v, _) = globe(*start), globe(*np.add(start, direction))
-        angle, length = np.degrees(np.arctan2(v - v0, u - u0)), np.hypot(u - u0, v - v0)
-        arrow(ax, angle, length, colour, text, (u0, v0), dashed, dx=dx, dy=dy)
+    def ray(start, direction, colour, text, **style):
+        vector(ax, globe(*direction)[:2], colour, text, globe(*start)[:2], **style)
 
     turn = np.linspace(0, 2 * np.pi, 241)
     ax.fill(np.cos(turn), np.sin(turn), facecolor="#9aa5b1", alpha=0.12)
@@ -354,8 +355,8 @@ def earth():
         (sidereal, INERTIAL, (r"$x_I$", r"$y_I$"), True),
     ):
         c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-        ray(zero, (1.6 * c, 1.6 * s, 0), colour, names[0], dashed, dy=-0.03)
-        ray(zero, (-1.45 * s, 1.45 * c, 0), colour, names[1], dashed, dx=0.06)
+        ray(zero, (1.6 * c, 1.6 * s, 0), colour, names[0], dashed=dashed, dy=-0.03)
+        ray(zero, (-1.45 * s, 1.45 * c, 0), colour, names[1], dashed=dashed, dx=0.06)
     ray(zero, (0, 0, 1.5), BODY, r"$z_E = z_I$", dx=0.2)
     spin = np.radians(np.linspace(-60, 200, 60))
     u, v, _ = globe(0.2 * np.cos(spin), 0.2 * np.sin(spin), 1.28 * np.ones_like(spin))
@@ -510,8 +511,8 @@ def controls():
 
 def surface(ax, hinge, length, angle, text):
     """A control surface from its hinge, deflected to an angle (deg, from the right)."""
-    dx, dz = turned([length], [0.0], angle)
-    ax.plot([hinge[0], hinge[0] + dx[0]], [hinge[1], hinge[1] + dz[0]], color=FORCE, lw=4)
+    dx, dz = turned(length, 0.0, angle)
+    ax.plot([hinge[0], hinge[0] + dx], [hinge[1], hinge[1] + dz], color=FORCE, lw=4)
     where = hinge[0], hinge[1] + (0.38 if 0 < angle < 180 else -0.38)
     label(ax, *where, text, FORCE)
 
@@ -642,7 +643,6 @@ def points():
 
 
 def main():
-    FOLDER.mkdir(exist_ok=True)
     for draw in (structural, wind, euler, earth, climb, banked, controls, points, flow):
         for style, suffix in (("default", ""), ("dark_background", "-dark")):
             with plt.style.context((style, SAME)):

@@ -3,28 +3,19 @@
 python docs/hero.py
 """
 
-import contextlib
-import io
-import os
-import tempfile
-from pathlib import Path
-
-import matplotlib
-
-matplotlib.use("agg")
-
 import matplotlib.pyplot as plt
 import numpy as np
-import pandas as pd
 from block_pictures import draw_on
+from generate import save
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from pymap3d import geodetic2ned
 
+from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.axes import body_to_ned
 from pathsim_jsbsim_blocks.catalogue import load_diagram
-from pathsim_jsbsim_blocks.cli import main as command
+from pathsim_jsbsim_blocks.tracks.recording import recorded_flights, tracks
+from pathsim_jsbsim_blocks.tracks.track import POSITION
 
-DOCS = Path(__file__).resolve().parent
 FOOT = 0.3048  # m
 # axes of the flight: east, north, up; the height is drawn four times as large as the distance
 LOW, HIGH = np.array([-11500.0, -1300.0, 0.0]), np.array([2500.0, 800.0, 700.0])
@@ -56,16 +47,6 @@ DIAGRAM = {
     "notes": [(4.3, -1.9, "position, attitude, rates, airspeed, height")],
 }
 
-NAMES = {
-    "time [s]": "time",
-    "latitude [deg]": "lat",
-    "longitude [deg]": "lon",
-    "altitude [ft]": "h",
-    "pitch angle [deg]": "theta",
-    "roll angle [deg]": "phi",
-    "heading [deg]": "psi",
-}
-
 # outline of an aircraft in its body axes: forward, right, down; nose to tail is 1
 FUSELAGE = [(0.5, 0, 0), (0.3, 0.06, 0), (-0.5, 0.01, 0), (-0.5, -0.01, 0), (0.3, -0.06, 0)]
 WING = [(0.22, 0, -0.03), (0.17, 0.65, -0.06), (0.03, 0.65, -0.06), (0.03, 0, -0.03),
@@ -76,12 +57,12 @@ FIN = [(-0.32, 0, 0), (-0.44, 0, -0.24), (-0.5, 0, -0.24), (-0.5, 0, 0)]
 
 def flight():
     """The track of the diagram: time, place north, east and above the runway in ft, attitude."""
-    diagram = load_diagram("autoland_c172p")
-    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
-        file = Path(folder, "flight.csv")
-        os.environ["MPLBACKEND"] = "agg"
-        command(["run", "autoland_c172p", "--track", str(file), "--save", f"{folder}/f.png"])
-        track = pd.read_csv(file).rename(columns=NAMES)
+    with recorded_flights() as recordings:
+        diagram = load_diagram("autoland_c172p")
+        fly(diagram.sim, diagram.DURATION, progress=False)
+    (flown,) = tracks(recordings)
+    names = {label: name for name, label in POSITION.items()}
+    track = flown.to_frame().reset_index(names="time").rename(columns=names)
     north, east, down = geodetic2ned(
         track.lat, track.lon, track.h * FOOT, *diagram.AIM, diagram.ELEVATION * FOOT
     )
@@ -134,14 +115,5 @@ def hero():
     return figure
 
 
-def main():
-    from generate import shrink
-
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder, "hero.png")
-        hero().savefig(file, dpi=150)
-        shrink(file, DOCS / "pictures" / "hero.png", width=1600)
-
-
 if __name__ == "__main__":
-    main()
+    save(hero(), "hero", width=1600)
