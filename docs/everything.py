@@ -21,41 +21,34 @@ TIMES = DOCS / "everything.json"
 
 # name: command after `python`; FOLDER is a temporary one
 QUICK = {
-    "models": ["docs/add_diagram.py", "--models"],
-    "concepts": ["docs/figures.py"],
-    "pages": ["docs/generate.py", "pages"],
-    "modes": ["docs/generate.py", "modes"],
-    "accuracy": ["docs/generate.py", "accuracy"],
-    "fleet": ["docs/generate.py", "fleet"],
-    "diagrams": ["docs/generate.py", "diagrams"],
-    "studies": ["docs/generate.py", "studies"],
-    "first picture": ["docs/hero.py"],
-    "evidence charts": ["docs/evidence_charts.py"],
-    "pathview": ["docs/screenshots.py"],
-    "drawing": [
-        "-m",
-        "pytest",
-        "-q",
-        "tests/browser/test_drawing.py",
-        "--screenshots",
-        "docs/pictures",
-    ],
-    "notebooks": ["docs/notebooks.py"],
-    "learning": ["docs/learned_pitch_hold.py"],
+    "models": "docs/add_diagram.py --models",
+    "concepts": "docs/figures.py",
+    "pages": "docs/generate.py pages",
+    "modes": "docs/generate.py modes",
+    "accuracy": "docs/generate.py accuracy",
+    "fleet": "docs/generate.py fleet",
+    "diagrams": "docs/generate.py diagrams",
+    "studies": "docs/generate.py studies",
+    "first picture": "docs/hero.py",
+    "evidence charts": "docs/evidence_charts.py",
+    "pathview": "docs/screenshots.py",
+    "drawing": "-m pytest -q tests/browser/test_drawing.py --screenshots docs/pictures",
+    "notebooks": "docs/notebooks.py",
+    "learning": "docs/learned_pitch_hold.py",
 }
 FLIGHTS = {
-    "performance": ["docs/performance_charts.py", "FOLDER"],
-    "steps": ["docs/gain_tables.py", "--fly"],
-    "cruise": ["docs/gain_tables.py", "--cruise"],
-    "airspeeds": ["docs/gain_tables.py", "--airspeed"],
-    "turbulence": ["docs/gain_tables.py", "--rough"],
-    "near the ground": ["docs/gain_tables.py", "--slow"],
-    "random cases": ["docs/monte_carlo.py"],
-    "landings": ["docs/landings.py"],
-    "approaches in a crosswind": ["docs/landings.py", "crosswind"],
-    "failed engines": ["docs/failed_engines.py"],
+    "performance": "docs/performance_charts.py FOLDER",
+    "steps": "docs/gain_tables.py --fly",
+    "cruise": "docs/gain_tables.py --cruise",
+    "airspeeds": "docs/gain_tables.py --airspeed",
+    "turbulence": "docs/gain_tables.py --rough",
+    "near the ground": "docs/gain_tables.py --slow",
+    "random cases": "docs/monte_carlo.py",
+    "landings": "docs/landings.py",
+    "approaches in a crosswind": "docs/landings.py crosswind",
+    "failed engines": "docs/failed_engines.py",
 }
-STEPS = {**QUICK, **FLIGHTS}
+STEPS = {name: command.split() for name, command in (QUICK | FLIGHTS).items()}
 
 
 def make(name):
