@@ -17,10 +17,14 @@ from dataclasses import replace
 
 import numpy as np
 from gain_tables import flight_of, fuel, lowest_level, turbulence
-from tables import DOCS, put
+from tables import EVIDENCE, markdown, put
+
+from pathsim_jsbsim_blocks import Aircraft, FlightError, TrimCondition, TrimError, fly
+from pathsim_jsbsim_blocks.catalogue import load_diagram
+from pathsim_jsbsim_blocks.flight import Airframe, trim
 
 CASES = 100
-PAGE = DOCS / "evidence" / "landings.md"
+PAGE = EVIDENCE / "landings.md"
 KNOT = 1.68781  # ft/s
 # JSBSim's turbulence counts its height from sea level: beyond 2000 ft this, not the wind at 20 ft,
 # sets its rms, 3.3 to 3.6 ft/s
@@ -51,15 +55,17 @@ CROSS, CROSS_GUSTS, APPROACHES = 10.0, 14.0, 20
 # of the lowest airspeed, height of the beginning [ft], and airspeeds from which the lowest is
 # looked for, of level flight
 OF_LOWEST, ABOVE, FROM = 1.3, 700.0, (1.0, 0.9, 0.8, 0.7, 0.6)
-CG, FUEL, HEAD, GUSTS = 0.03, (0.2, 1.0), (-5.0, 20.0), (15.0, 30.0)
-ELEVATION, COURSE, ASIDE = (0.0, 5000.0), (0.0, 360.0), 500.0
 INTERCEPT = 20.0  # deg
 # KCAS at which a roll-out ends, and its longest, s
 ROLLED, LONGEST = 30.0, 60.0
-# the touchdown's limits beside the distance: from the centre line [ft], sink rate, bank [deg]
-ACROSS, SINK, BANK = 30.0, 6.0, 5.0
-ROLL_OUT = 40.0  # ft, from the centre line in the roll-out
-PAST = 2000.0  # ft, of those in a crosswind
+# the touchdown's limits; the distance past the aiming point in a crosswind, ft
+PAST = 2000.0
+LIMITS = {
+    "across": 30.0,  # from the centre line, ft
+    "bank": 5.0,  # deg
+    "sink": 6.0,  # ft/s
+    "roll_out": 40.0,  # from the centre line, ft
+}
 ROWS = {
     "past": "past the aiming point [ft]",
     "across": "right of the centre line [ft]",
@@ -70,20 +76,23 @@ ROWS = {
     "crab": "heading less course [deg]",
     "vc": "airspeed [KCAS]",
 }
+CROSSWIND_HEAD = """\
+| | landed within the limits | went around | KCAS | sink rate [ft/s] | past [ft] | aside [ft] \
+| in the roll-out [ft] |"""
 
 
 def draw(name, cases, seed=0):
     """Random cases."""
     crosswind, rng = FLEET[name][6], np.random.default_rng(seed)
     drawn = {
-        "fuel": FUEL,
-        "cg": (-CG, CG),
-        "head": HEAD,
+        "fuel": (0.2, 1.0),  # of the tanks
+        "cg": (-0.03, 0.03),  # of the chord
+        "head": (-5.0, 20.0),  # kt
         "cross": (-crosswind, crosswind),
-        "gusts": GUSTS,
-        "course": COURSE,
-        "elevation": ELEVATION,
-        "aside": (-ASIDE, ASIDE),
+        "gusts": (15.0, 30.0),  # kt, the wind at 20 ft of the turbulence
+        "course": (0.0, 360.0),  # deg
+        "elevation": (0.0, 5000.0),  # ft
+        "aside": (-500.0, 500.0),  # ft
     }
     return [
         {**{key: float(rng.uniform(*span)) for key, span in drawn.items()}, "seed": float(i)}
@@ -108,16 +117,28 @@ def wind(head, cross, course):
     )
 
 
+def scene(condition, rough, elevation, course):
+    """Settings of both kinds of approach: the beginning, the turbulence and the runway."""
+    return {
+        "aircraft.condition": condition,
+        "TURBULENCE": rough,
+        "ELEVATION": elevation,
+        "COURSE": course,
+        "ANTENNA": place(BEYOND, 0.0, course),
+    }
+
+
+def beginning(height, aside, course):
+    """Latitude and longitude 6000 ft before the glide path at a height, ft; aside of the course."""
+    return place(-height / math.tan(math.radians(3.0)) - 6000.0, aside, course)
+
+
 def settings(name, case):
     """What the diagram is built with."""
-    from pathsim_jsbsim_blocks import TrimCondition
-
     tanks, empty, cg, chord, (speed, weight), height, *_ = FLEET[name]
     fuel, course = [case["fuel"] * tank for tank in tanks], case["course"]
     north, east = wind(case["head"], case["cross"], course)
-    latitude, longitude = place(
-        -height / math.tan(math.radians(3.0)) - 6000.0, case["aside"], course
-    )
+    latitude, longitude = beginning(height, case["aside"], course)
     condition = TrimCondition(
         altitude=case["elevation"] + height,
         speed=speed * math.sqrt((empty + sum(fuel)) / weight),
@@ -131,26 +152,17 @@ def settings(name, case):
         gear=1.0 if name == "737" else None,
         flaps=1.0 if name == "737" else 0.5,
     )
-    return {
-        "aircraft.condition": condition,
-        "TURBULENCE": turbulence(SEVERITY, case["gusts"] * KNOT, case["seed"]),
-        "ELEVATION": case["elevation"],
-        "COURSE": course,
-        "ANTENNA": place(BEYOND, 0.0, course),
-    }
+    rough = turbulence(SEVERITY, case["gusts"] * KNOT, case["seed"])
+    return scene(condition, rough, case["elevation"], course)
 
 
 def approach(table, number, head, cross, gusts):
     """Course of an approach in a wind, kt, and what the diagram ``autoland_737`` is built with."""
-    from pathsim_jsbsim_blocks import Aircraft
-    from pathsim_jsbsim_blocks.errors import TrimError
-    from pathsim_jsbsim_blocks.flight import Airframe, trim
-
     flaps, flare = CROSSWIND[table]
     name, rng = table.partition("-")[0], np.random.default_rng([number, 7])
     flight = flight_of(name)
     share, course, elevation = rng.uniform(0.2, 0.8), rng.uniform(0, 360), rng.uniform(0, 3000)
-    latitude, longitude = place(-ABOVE / math.tan(math.radians(3.0)) - 6000.0, 0.0, course)
+    latitude, longitude = beginning(ABOVE, 0.0, course)
     tanks = fuel(Aircraft(name, condition=flight.condition, create=flight.create), share)
     condition = replace(
         flight.condition,
@@ -177,14 +189,10 @@ def approach(table, number, head, cross, gusts):
         wind_north=north,
         wind_east=east,
     )
-    built = {
+    rough = turbulence(SEVERITY, gusts * KNOT, number)
+    built = scene(condition, rough, elevation, course) | {
         "aircraft.aircraft": name,
-        "aircraft.condition": condition,
         "aircraft.create": flight.create,
-        "TURBULENCE": turbulence(SEVERITY, gusts * KNOT, number),
-        "ELEVATION": elevation,
-        "COURSE": course,
-        "ANTENNA": place(BEYOND, 0.0, course),
         **{f"{x}.gains": table for x in ("lateral", "vertical", "airspeed", "damper", "flare")},
         **{f"flare.{key}": value for key, value in flare.items()},
         # of both blocks, as in the diagrams
@@ -200,9 +208,6 @@ def land(name, case):
 
 def landed(diagram, settings, course):
     """Fly a diagram with settings: its touchdown, or where and why it went around."""
-    from pathsim_jsbsim_blocks import FlightError, fly
-    from pathsim_jsbsim_blocks.catalogue import load_diagram
-
     diagram, error = load_diagram(diagram, settings), ""
     outputs = diagram.flare.outputs
     try:
@@ -222,20 +227,11 @@ def landed(diagram, settings, course):
     _, (climb, vc) = diagram.rates.read()
     _, (_, bank, heading) = diagram.attitude.read()
     _, (across, distance) = diagram.ground.read()
-    found = {
-        "error": error,
-        "around": bool((phase == 3.0).any()),
-        "rolls": bool((phase == 2.0).any()),
-    }
+    found = {"error": error, "around": bool((phase == 3.0).any())}
     if found["around"]:
         begun = int(np.argmax(phase == 3.0))
-        found.update(
-            begun=height[begun],
-            lowest=height[begun:].min(),
-            end=height[-1],
-            across=across[begun],
-            bank=bank[begun],
-        )
+        found.update(begun=height[begun], lowest=height[begun:].min(), end=height[-1])
+        found["across"] = across[begun]
     elif wheels.any():
         touch = int(wheels.argmax())
         crab = (heading[touch] - course + 180.0) % 360.0 - 180.0
@@ -258,32 +254,25 @@ def outcome(name, found):
         return "around" if found["end"] > found["begun"] + 50.0 else "does not climb away"
     if "sink" not in found:
         return "does not come down"
-    limits = {
-        "past": FLEET[name][7] if name in FLEET else PAST,
-        "across": ACROSS,
-        "bank": BANK,
-        "sink": SINK,
-        "roll_out": ROLL_OUT,
-    }
+    limits = {"past": FLEET[name][7] if name in FLEET else PAST, **LIMITS}
     beyond = [key for key, most in limits.items() if not abs(found[key]) < most]
     return ", ".join(f"{key} {found[key]:.1f}" for key in beyond) or "landed"
 
 
 def tables(results):
     """The tables of the page, from the cases and what was found by aircraft."""
-    lines = [f"| median (5 % to 95 %; worst) of | {' | '.join(results)} |"]
-    lines.append(f"|---|{'--:|' * len(results)}")
+    lines = []
     for key, label in ROWS.items():
-        cells = []
+        cells = [label]
         for rows in results.values():
             x = np.array([found[key] for _, found in rows if "sink" in found])
             low, middle, high = np.percentile(x, (5, 50, 95))
             cells.append(f"{middle:.1f} ({low:.1f} to {high:.1f}; {x[np.abs(x).argmax()]:.1f})")
-        lines.append(f"| {label} | {' | '.join(cells)} |")
+        lines.append(cells)
     ends = {name: [outcome(name, found) for _, found in rows] for name, rows in results.items()}
     for label, kind in (("**landed within the limits**", "landed"), ("went around", "around")):
-        counts = [f"{end.count(kind)} of {len(end)}" for end in ends.values()]
-        lines.append(f"| {label} | {' | '.join(counts)} |")
+        lines.append([label] + [f"{end.count(kind)} of {len(end)}" for end in ends.values()])
+    text = markdown(f"| median (5 % to 95 %; worst) of | {' | '.join(results)} |", lines)
     others = []
     for name, rows in results.items():
         for (case, found), end in zip(rows, ends[name], strict=True):
@@ -294,22 +283,13 @@ def tables(results):
                 wind = ", ".join(f"{case[key]:.0f}" for key in ("head", "cross", "gusts"))
                 others.append(f"| {case['seed']:.0f} | {name} | {wind} | {end} |")
     if others:
-        lines += [
-            "",
-            "| case | aircraft | head, cross, gusts [kt] | outcome |",
-            "|--:|---|--:|---|",
-        ]
-    lines += others
-    return "\n".join(lines)
+        text += "\n\n| case | aircraft | head, cross, gusts [kt] | outcome |\n|--:|---|--:|---|\n"
+    return text + "\n".join(others)
 
 
 def crosswind():
     """The table of approaches in a crosswind."""
-    lines = [
-        "| | landed within the limits | went around | KCAS "
-        "| sink rate [ft/s] | past [ft] | aside [ft] | in the roll-out [ft] |"
-    ]
-    lines.append("|---|--:|--:|--:|--:|--:|--:|--:|")
+    lines = []
     for name in CROSSWIND:
         ends, speeds, touches = [], [], []
         for number in range(1, APPROACHES + 1):
@@ -320,13 +300,13 @@ def crosswind():
             speeds.append(built["aircraft.condition"].speed)
             touches += [found] if "sink" in found else []
             print(name, number, ends[-1], flush=True)
-        cells = [f"{ends.count(end)} of {APPROACHES}" for end in ("landed", "around")]
+        cells = [name, *(f"{ends.count(end)} of {APPROACHES}" for end in ("landed", "around"))]
         cells.append(f"{min(speeds):.0f} to {max(speeds):.0f}")
         for key, digits in (("sink", 1), ("past", 0), ("across", 0), ("roll_out", 0)):
             x = [abs(found[key]) for found in touches]
             cells.append(f"{min(x):.{digits}f} to {max(x):.{digits}f}" if x else "")
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    put(PAGE, "crosswind", "\n".join(lines))
+        lines.append(cells)
+    put(PAGE, "crosswind", markdown(CROSSWIND_HEAD, lines))
 
 
 def main(cases=CASES, seed=0):
