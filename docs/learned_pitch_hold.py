@@ -11,11 +11,13 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.design.requirements import STEP_REQUIREMENTS
+from pathsim_jsbsim_blocks.design.search import step_quality
 from pathsim_jsbsim_blocks.gym import make_env
 
 GENERATIONS = 20
@@ -97,24 +99,15 @@ def held(reference):
 
 
 def main(generations=GENERATIONS):
-    import control
-    import matplotlib.pyplot as plt
-    from matplotlib.ticker import MaxNLocator
-
     start = time.perf_counter()
     weights, history = learn(int(generations))
     print(f"{len(history)} generations in {time.perf_counter() - start:.0f} s: {weights * SCALE}")
     wanted = STEP_REQUIREMENTS["pitch"]
-    trimmed = load_diagram("pitch_hold").aircraft.trim.theta
-    reference = trimmed + wanted.size
+    reference = load_diagram("pitch_hold").aircraft.trim.theta + wanted.size
     learned, usual = episode(environment(), weights, reference)[0], held(reference)
     drawing, (above, below) = plt.subplots(2, 1, layout="constrained", figsize=(9, 7))
     for name, (t, theta, _), color in (("learned", learned, "C1"), ("PitchHold", usual, "C0")):
-        band = wanted.tolerance / wanted.size
-        info = control.step_info(
-            theta - trimmed, T=t, yfinal=wanted.size, SettlingTimeThreshold=band
-        )
-        settling, overshoot = info["SettlingTime"], info["Overshoot"] / 100.0 * wanted.size
+        settling, overshoot, _ = step_quality(theta - reference, wanted.tolerance, t[1])
         final = np.abs(theta - reference)[t >= 0.9 * DURATION].max()
         print(
             f"{name}: within {wanted.tolerance:g} deg after {settling:.2f} s, overshoot "
@@ -127,7 +120,7 @@ def main(generations=GENERATIONS):
     above.set(xlabel="time [s]", ylabel="pitch angle [deg]", xlim=(0.0, DURATION))
     below.plot(1 + np.arange(len(history)), -np.array(history) * STEP / 2, "C1.-")
     below.set(xlabel="generation", ylabel="error of the best law [deg s]", ylim=(0.0, None))
-    below.xaxis.set_major_locator(MaxNLocator(integer=True))
+    below.xaxis.set_major_locator(plt.MaxNLocator(integer=True))
     above.legend(loc="lower right", fontsize="small")
     for ax in (above, below):
         ax.grid(alpha=0.4)
