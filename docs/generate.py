@@ -17,6 +17,7 @@ import sys
 import tempfile
 import warnings
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -176,8 +177,8 @@ def gallery():
     for title, names in zip(("From the published notebooks", "Beyond them"), groups, strict=True):
         cells = [gallery_cell(name) for name in names]
         cells += [""] * (-len(cells) % 3)
-        rows = [f"| {' | '.join(cells[i : i + 3])} |\n" for i in range(0, len(cells), 3)]
-        parts.append(f"## {title}\n\n| | | |\n|---|---|---|\n{''.join(rows)}")
+        rows = [cells[i : i + 3] for i in range(0, len(cells), 3)]
+        parts.append(f"## {title}\n\n{markdown('| | | |', rows, '---')}\n")
     listed = "".join(f"- [`{n}`]{script_link(n)} {docstring(n)[0]}\n" for n in cases)
     return "\n".join(
         [*parts, f"{CHECK_CASES}\n<!-- check cases -->\n{listed}<!-- end -->\n", PERFORMANCE]
@@ -380,14 +381,10 @@ def default_table():
 
 def doublet(hz, integrators):
     """Angle of attack and pitch angle of a c172p in an elevator doublet, at 30 Hz."""
-    elevator = np.zeros((12 * hz, 4))
-    elevator[hz : 2 * hz, 0], elevator[2 * hz : 3 * hz, 0] = 0.1, -0.1
-
-    def plane():
-        return Aircraft("c172p", altitude=5000, speed=90, T=1 / hz, integrators=integrators)
-
-    names = list(Aircraft.output_port_labels)
-    return flown(plane, elevator)[:: hz // 30, [names.index("alpha"), names.index("theta")]]
+    plane = Aircraft("c172p", altitude=5000, speed=90, T=1 / hz, integrators=integrators)
+    u, ports = np.zeros((12 * hz, 4)), plane.output_port_labels
+    u[hz : 2 * hz, 0], u[2 * hz : 3 * hz, 0] = 0.1, -0.1
+    return flown(plane, u)[:: hz // 30, [ports["alpha"], ports["theta"]]]
 
 
 def doublet_table():
@@ -528,13 +525,9 @@ def modes_of(name):
 
 
 def modes_row(name, flight):
-    inputs = None
-    if flight.condition.mode == "glide":
-        inputs = ["elevator", "aileron", "rudder"]
-
-    def plane():
-        return Aircraft(name, condition=flight.condition, create=flight.create)
-
+    glides = flight.condition.mode == "glide"
+    inputs = ["elevator", "aileron", "rudder"] if glides else None
+    plane = partial(Aircraft, name, condition=flight.condition, create=flight.create)
     try:
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
@@ -565,12 +558,12 @@ def modes_row(name, flight):
 
 def doublet_errors(plane, model, size):
     """The relative rms errors of what each command is for, after a doublet."""
-    still, errors = flown(plane, np.zeros((1200, 4))), {}
+    still, errors = flown(plane(), np.zeros((1200, 4))), {}
     purposes = (("theta", "q"), ("phi", "p"), ("beta", "r"), ("vt",))
     for port, outputs in enumerate(purposes[: len(model.inputs)]):
         u = np.zeros((1200, 4))
         u[3:123, port], u[123:243, port] = size, -size
-        response = flown(plane, u) - still
+        response = flown(plane(), u) - still
         predicted = model.simulate(u[:, : len(model.inputs)]) - model.y0
         for output in outputs:
             i = model.outputs.index(output)
@@ -580,10 +573,10 @@ def doublet_errors(plane, model, size):
 
 
 def flown(plane, u):
-    block = plane()
-    y = [block.outputs.to_array()]
+    """The outputs at the trim, and after each row of commands in still air."""
+    y = [plane.outputs.to_array()]
     wind = [0.0] * 3
-    return np.array(y + [block.advance(k, row + wind) for k, row in enumerate(u.tolist(), 1)])
+    return np.array(y + [plane.advance(k, row + wind) for k, row in enumerate(u.tolist(), 1)])
 
 
 def write_pages():

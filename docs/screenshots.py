@@ -3,6 +3,7 @@
 python docs/screenshots.py [NAME ...]
 """
 
+import io
 import shutil
 import sys
 import tempfile
@@ -75,10 +76,7 @@ def take(page, target, below=0):
     page.evaluate(MOVE, [(width - right - left) / 2, MARGIN - top])
     page.mouse.move(0, 0)  # a wire under the mouse has another colour
     page.wait_for_timeout(300)
-    with tempfile.TemporaryDirectory() as folder:
-        shot = Path(folder) / "shot.png"
-        page.screenshot(path=shot)
-        shrink(shot, target, width=round(SHARPNESS * width))
+    shrink(io.BytesIO(page.screenshot()), target, width=round(SHARPNESS * width))
 
 
 def take_diagram(page, name):
@@ -112,8 +110,8 @@ def take_diagram(page, name):
 def take_report(browser):
     """A flight report, halfway into the flight's turn."""
     with tempfile.TemporaryDirectory() as folder:
-        file, shot = Path(folder) / "flight.html", Path(folder) / "shot.png"
-        cli.main(["run", REPORT, "--track", str(file), "--save", str(shot)])
+        file, figure = Path(folder) / "flight.html", Path(folder) / "figure.png"
+        cli.main(["run", REPORT, "--track", str(file), "--save", str(figure)])
         page = browser.new_page(viewport={"width": 1280, "height": 860})
         page.set_default_timeout(180_000)  # plotly is large, a busy machine slow
         page.goto(file.as_uri())
@@ -123,9 +121,9 @@ def take_report(browser):
         )
         page.wait_for_timeout(2000)
         # four panels: the report goes on below
-        page.screenshot(path=shot, clip={"x": 0, "y": 0, "width": 1280, "height": 775})
+        shot = page.screenshot(clip={"x": 0, "y": 0, "width": 1280, "height": 775})
         page.close()
-        shrink(shot, DOCS / "pictures" / "flight_report.png", width=1280)
+        shrink(io.BytesIO(shot), DOCS / "pictures" / "flight_report.png", width=1280)
 
 
 def main(names):
