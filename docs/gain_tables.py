@@ -150,22 +150,22 @@ def asked(loop, gains, condition, down, seconds):
 
 
 def no_throttle(fresh, condition, trim):
-    """Loops whose step up takes all of the throttle; ``fresh`` makes an aircraft at a condition."""
+    """Loops whose step up takes all of the throttle; ``fresh`` makes an aircraft."""
     faster = replace(condition, speed=condition.speed + STEP_REQUIREMENTS["speed"].size)
     now = max(trim.throttle)
     try:
-        needed = max(fresh(faster).trim.throttle)
+        needed = max(fresh(condition=faster).trim.throttle)
     except TrimError as error:
         needed = math.inf if error.reason == "thrust" else now
     return {"speed"} if needed > max(FULL, now) else set()
 
 
 def flights(label, gains, condition, create, predicted=None):
-    """One row of the table of flights; ``predicted`` are settling times by loop."""
+    """The row of a table's steps; the label is the aircraft's name, or begins with it and a comma.
 
-    def fresh(there=condition):
-        return Aircraft(label.partition(",")[0], condition=there, create=create)
-
+    ``predicted`` are settling times by loop.
+    """
+    fresh = partial(Aircraft, label.partition(",")[0], condition=condition, create=create)
     down = no_throttle(fresh, condition, fresh().trim)
     row = {"aircraft": label, "KCAS": f"{condition.speed:.0f}"}
     missed, late, apart = [], [], []
@@ -247,10 +247,7 @@ def fuel(plane, share):
 
 def cruise_point(name, schedule, condition, create):
     """What the steps at one condition do not meet, or "passes"."""
-
-    def fresh(there=condition):
-        return Aircraft(name, condition=there, create=create)
-
+    fresh = partial(Aircraft, name, condition=condition, create=create)
     try:
         trim = fresh().trim
     except TrimError:

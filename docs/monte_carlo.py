@@ -7,12 +7,17 @@ wind and the seed of the turbulence are drawn anew for each case.
 """
 
 import sys
+from functools import partial
 
 import numpy as np
-from gain_tables import SECONDS, asked, at_point, no_throttle, turbulence
-from tables import EVIDENCE, put
+from gain_tables import SECONDS, asked, at_point, largest_change, no_throttle, turbulence
+from tables import EVIDENCE, markdown, put
 
+from pathsim_jsbsim_blocks import Aircraft, TrimCondition
+from pathsim_jsbsim_blocks.control.gain_tables import table as gains_called
 from pathsim_jsbsim_blocks.design.requirements import ALTITUDE_KEPT, STEP_REQUIREMENTS
+from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
+from pathsim_jsbsim_blocks.studies import run_batch
 
 T = 1 / 60
 TABLES = ("c172p-designed", "737-designed", "A320", "T38")
@@ -77,10 +82,6 @@ def draw(table, cases):
 
 def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
     """Fly one case: five steps without turbulence, and a turn in it."""
-    from pathsim_jsbsim_blocks import Aircraft, TrimCondition
-    from pathsim_jsbsim_blocks.control.gain_tables import table as gains_called
-    from pathsim_jsbsim_blocks.design.steps import STEPS, fly_step
-
     aircraft = aircraft_of(table)
     _, _, tanks, empty_cg, chord = FLEET[aircraft]
     condition = TrimCondition(
@@ -93,10 +94,7 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
         fuel=[fuel * tank for tank in tanks],
         empty_cg_x=empty_cg + cg * chord,
     )
-
-    def fresh(there=condition, properties=None):
-        return Aircraft(aircraft, condition=there, T=T, substeps=2, properties=properties)
-
+    fresh = partial(Aircraft, aircraft, condition=condition, T=T, substeps=2)
     gains = gains_called(table)
     down = no_throttle(fresh, condition, fresh().trim)
     found, errors, alpha = {}, [], 0.0
@@ -109,14 +107,12 @@ def flight(table, altitude, speed, fuel, cg, wind_north, wind_east, seed):
         errors.append(flown.quality.steady_error / STEP_REQUIREMENTS[loop].final_error)
         alpha = max(alpha, flown.outputs["alpha"].max())
         if loop == "speed":
-            found["speed_kept"] = np.abs(flown.outputs["h"] - flown.outputs["h"][0]).max()
+            found["speed_kept"] = largest_change(flown, "h")
     here = at_point(gains, condition)
     found["error"], found["alpha"] = max(errors), alpha - here.envelope.alpha_max
 
-    rough = turbulence(4.0, 50.0, seed % 30_000)
-    y = fly_step(
-        lambda: fresh(properties=rough), gains, STEPS["heading"], seconds=IN_TURBULENCE
-    ).outputs
+    rough = partial(fresh, properties=turbulence(4.0, 50.0, seed % 30_000))
+    y = fly_step(rough, gains, STEPS["heading"], seconds=IN_TURBULENCE).outputs
     found["gust_altitude"] = np.abs(y["h"] - altitude).max()
     found["gust_pitch"] = np.std(y["theta"])
     found["gust_throttle"] = 100.0 * np.mean(y["thr_sat"] != 0.0)
@@ -137,25 +133,17 @@ def cell(values, limit):
 
 def counted(results):
     """Median and worst case of every quantity, and the cases within their limits."""
-    names = list(results)
-    lines = [f"| median, worst of | {' | '.join(names)} | limit |"]
-    lines.append(f"|---|{'--:|' * (len(names) + 1)}")
+    lines = []
     for key, (label, limit) in ROWS.items():
         cells = [cell(found[key].fillna(np.inf), limit) for found in results.values()]
-        most = "settles" if limit == ENDLESS else f"{limit:g}"
-        lines.append(f"| {label} | {' | '.join(cells)} | {most} |")
-    for label, keys in (
-        ("**all without turbulence**", STILL),
-        ("**all**", list(ROWS)),
-    ):
+        lines.append([label, *cells, "settles" if limit == ENDLESS else f"{limit:g}"])
+    for label, keys in (("**all without turbulence**", STILL), ("**all**", list(ROWS))):
         cells = [f"{within(found, keys).sum()} of {len(found)}" for found in results.values()]
-        lines.append(f"| {label} | {' | '.join(cells)} | - |")
-    return "\n".join(lines)
+        lines.append([label, *cells, "-"])
+    return markdown(f"| median, worst of | {' | '.join(results)} | limit |", lines)
 
 
 def main(cases, names):
-    from pathsim_jsbsim_blocks.studies import run_batch
-
     results = {name: run_batch(flight, draw(name, cases), progress=False) for name in names}
     for name, found in results.items():
         for reason in found.reason[~found.completed]:
