@@ -558,6 +558,15 @@ def test_the_block_flies_beside_the_aircraft():
     assert np.abs(one - other).max() < 0.02 * np.ptp(one)
 
 
+def test_the_block_keeps_its_model():
+    model, other = (plane(name).linear_model("algebraic") for name in ("737", "c172p"))
+    block = LinearModelBlock(model)
+    block.model = model
+    with pytest.raises(ParameterError, match="build another"):
+        block.model = other
+    assert block.model is model
+
+
 def test_a_position_follows_the_heading_and_the_sideslip():
     # northwards from the equator the longitude changes by (psi + beta) V / (a + h)
     model = plane("737", heading=0.0).linear_model(inputs=["aileron"], outputs=["psi", "lon"])
