@@ -23,6 +23,7 @@ from pathsim_jsbsim_blocks import (
     RollHold,
 )
 from pathsim_jsbsim_blocks.control.gain_tables import (
+    FORMAT,
     TABLES,
     document_of,
     loop_gains,
@@ -43,15 +44,6 @@ from pathsim_jsbsim_blocks.errors import FileError
 
 HOLDS = [*all_holds.HOLDS.values()]
 PITCH = {"Kp": 0.1, "Ki": 0.1}
-
-
-@pytest.mark.filterwarnings("ignore:FlareHold. no landings")
-@pytest.mark.parametrize("hold", HOLDS)
-@pytest.mark.parametrize("table", ["c172p", "737", "global5000"])
-def test_every_hold_takes_every_table(hold, table):
-    block = hold(gains=table)
-    assert block.gains == table
-    assert hold(gains=GAINS[table]).gains is GAINS[table]
 
 
 def test_editors_know_the_names_of_all_tables():
@@ -96,15 +88,9 @@ def test_an_unknown_table_names_the_nearest(hold):
         (PitchHold, {**PITCH, "ramp": 0.0}, "ramp must be greater than 0"),
         (PitchHold, {**PITCH, "b": -0.1}, "b must be at least 0"),
         (PitchHold, Path("mine.json"), "did you mean 'mine.json'"),
-        *(
-            (AirspeedHold, {**PITCH, "band": band}, "band must be")
-            for band in (0.0, -4.0, float("nan"), float("inf"), "4", None, True, np.array([4.0]))
-        ),
-        (
-            AirspeedHold,
-            {**PITCH, "bnad": 4.0},
-            "there is no speed gain 'bnad'.*did you mean 'band'",
-        ),
+        (AirspeedHold, {**PITCH, "band": 0.0}, "band must be"),
+        (AirspeedHold, {**PITCH, "band": None}, "band must be"),
+        (AirspeedHold, {**PITCH, "bnad": 4.0}, "no speed gain 'bnad'.*did you mean 'band'"),
     ],
 )
 def test_what_gains_cannot_be(hold, gains, words):
@@ -119,17 +105,6 @@ def test_numbers_and_tables_mix_by_loop():
     assert pitch == AttitudeGains(Kp=0.1, Ki=0.1, Kr=0.02)
     gentle = dataclasses.replace(GAINS["737"].pitch, ramp=1.0)
     assert loop_gains({"altitude": "737", "pitch": gentle}, "altitude", "pitch")[1] is gentle
-
-
-@pytest.mark.parametrize(("name", "value"), [("gains", "cessna"), ("reference", "absolut")])
-def test_bad_names_are_refused_when_built_and_in_flight(name, value):
-    block = PitchHold()
-    before = getattr(block, name)
-    for act in (lambda: PitchHold(**{name: value}), lambda: setattr(block, name, value)):
-        with pytest.raises(ParameterError) as error:
-            act()
-        assert (error.value.parameter, error.value.value) == (name, value)
-    assert getattr(block, name) == before
 
 
 def test_the_ends_of_a_range_are_in_it():
@@ -148,15 +123,6 @@ def test_gains_are_plain_floats(kind):
     assert type(schedule.nominal) is int
     assert json.loads(json.dumps(document_of(schedule))) == document_of(schedule)
     assert loop_gains(schedule, "speed") == (GAINS["c172p"].speed,)
-
-
-def test_authority_is_one_number_or_two():
-    assert PitchHold(authority=0.2).authority == 0.2
-    hold = PitchHold(authority=(-0.1, 0.3), theta_ref=90.0, gains={"Kp": 10.0, "Ki": 0.0})
-    state = hold.initial_state()
-    for _ in range(3):
-        (elevator, _), state = hold.law([0.0] * len(hold.input_port_labels), state)
-    assert elevator == -0.1  # nose up
 
 
 def point(altitude, speed, **values):
@@ -246,12 +212,9 @@ def test_a_file_of_an_older_version_has_no_band(schedule, tmp_path):
     [
         ("{", "not a JSON file"),
         ("[1]", "format must be 'pathsim-jsbsim-blocks gains 1'"),
+        (json.dumps({"format": FORMAT}), "not a complete gain table: KeyError.*aircraft"),
         (
-            '{"format": "pathsim-jsbsim-blocks gains 1"}',
-            "not a complete gain table: KeyError.*aircraft",
-        ),
-        (
-            '{"format": "pathsim-jsbsim-blocks gains 1", "aircraft": "x", "nominal": 0, "points": []}',
+            json.dumps({"format": FORMAT, "aircraft": "x", "nominal": 0, "points": []}),
             "needs design points",
         ),
     ],
@@ -272,8 +235,6 @@ BARE = DesignPoint(0.0, 200.0, dataclasses.replace(GAINS["737"], envelope=None))
         (lambda points: GainSchedule("737", points[::-1]), "sorted by altitude"),
         (lambda points: GainSchedule("737", points, nominal=3), "index of one of 3 points"),
         (lambda points: GainSchedule("737", (BARE, *points)), "envelope gains, or none"),
-        (lambda points: GainSchedule("737", None), "list of DesignPoint"),
-        (lambda points: GainSchedule("737", (3,)), "list of DesignPoint"),
         (lambda points: GainSchedule("737", points[0]), "list of DesignPoint"),
         (lambda points: GainSchedule("737", iter([1])), "list of DesignPoint"),
         (lambda points: DesignPoint(0.0, 200.0, "737"), "AircraftGains"),

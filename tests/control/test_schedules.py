@@ -13,11 +13,7 @@ from hand_tuned import GAINS
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant
 
-from pathsim_jsbsim_blocks import (
-    PitchHold,
-    RollHold,
-    YawDamper,
-)
+from pathsim_jsbsim_blocks import ParameterError, PitchHold, RollHold, YawDamper
 from pathsim_jsbsim_blocks.control.gains import DesignPoint, GainSchedule
 
 HOLDS = [*all_holds.HOLDS.values()]
@@ -26,22 +22,14 @@ N = 400
 
 def scaled(gains, factor):
     """All gains and the highest pitch reference times a factor; the rest as it is."""
-    return dataclasses.replace(
-        gains,
-        **{
-            loop.name: dataclasses.replace(
-                part,
-                **{
-                    name: factor * value
-                    for name, value in vars(part).items()
-                    if name.startswith(("K", "theta_max"))
-                },
-            )
-            for loop in dataclasses.fields(gains)
-            if loop.name != "envelope"
-            for part in [getattr(gains, loop.name)]
-        },
-    )
+    loops = {}
+    for loop, part in vars(gains).items():
+        if loop != "envelope":
+            numbers = {n: factor * x for n, x in vars(part).items() if n[0] == "K"}
+            if loop == "altitude":
+                numbers["theta_max"] = factor * part.theta_max
+            loops[loop] = dataclasses.replace(part, **numbers)
+    return dataclasses.replace(gains, **loops)
 
 
 def between(low, high, name="737"):
@@ -127,6 +115,12 @@ def test_an_absolute_reference_is_the_parameter(hold, port, value):
     assert np.array_equal(other, parameter)
     unwired = commanded(False, reference="absolute", **{port: value})
     assert np.array_equal(unwired, parameter)
+
+
+def test_a_misspelt_kind_of_reference_is_refused():
+    with pytest.raises(ParameterError) as error:
+        PitchHold(reference="absolut")
+    assert (error.value.parameter, error.value.value) == ("reference", "absolut")
 
 
 WARNINGS = [
