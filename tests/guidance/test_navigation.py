@@ -23,7 +23,10 @@ from pathsim_jsbsim_blocks import (
     AltitudeHold,
     BlocksError,
     CourseHold,
+    Glideslope,
     GlideslopeHold,
+    Localizer,
+    LocalizerHold,
     ParameterError,
     fly,
 )
@@ -296,6 +299,10 @@ def test_a_glide_slope_is_captured_on_the_path_and_let_go_of_when_off(sign, abov
         (GlideslopeHold, {"threshold": 47.0}, "threshold"),
         (GlideslopeHold, {"threshold": (-91.0, 0.0)}, "threshold: latitude"),
         (GlideslopeHold, {"crossing_height": -1.0}, "crossing_height"),
+        (Localizer, {"station": (95.0, 0.0)}, "station: latitude"),
+        (Localizer, {"width": 0.0}, "width"),
+        (Glideslope, {"noise": -1.0}, "noise"),
+        (LocalizerHold, {"intercept": 90.0}, "intercept"),
     ],
 )
 def test_bad_parameters_are_refused(block, given, parameter):

@@ -10,12 +10,13 @@ import contextlib
 
 import numpy as np
 import pytest
-from flights import POINTS, STATES, on, start, step, wrap
+from flights import POINTS, STATES, on, samples, start, step, wrap
 from flights import fly as fly_unprotected
 from hand_tuned import GAINS
 from how_many import bounded, first
 from pathsim import Connection, Simulation
-from pathsim.blocks import Constant, Scope
+from pathsim.blocks import Constant, Scope, StepSource
+from pathsim.events import Schedule
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
@@ -112,23 +113,23 @@ def test_pitch_hold_gives_way_before_the_stall(name, seconds):
 )
 def test_a_stall_entered_by_hand_is_recovered(name, flight, seconds, alpha, stall, loss):
     # everything off, the throttle closed and the elevator pulled until the aircraft has stalled
-    plane, autopilot = start(name, **flight), Autopilot(name)
-    state, y = autopilot.initial_state(), [float(plane.outputs[n]) for n in STATES]
-    stalled, record = False, []
-    for k in range(seconds * 120):
-        seen = dict(zip(STATES, y, strict=True))
-        stalled = stalled or seen["alpha"] > alpha
-        u = [
-            seen.get(n, float(n.endswith("_off") and not stalled))
-            for n in autopilot.input_port_labels
-        ]
-        command, state = autopilot.law(u, state)
-        if not stalled:
-            command[0], command[3] = -min(0.03 * k / 120, 1.0), -1.0
-        else:
-            record.append([seen["alpha"], seen["h"], seen["vc"], seen["hdot"]])
-        y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0])
-    angle, h, vc, hdot = np.array(record).T
+    plane, stalls = start(name, **flight), []
+
+    def by_hand(t):
+        if plane.outputs["alpha"] > alpha:
+            stalls.append(t)
+        return float(not stalls)
+
+    record = fly(
+        plane,
+        seconds,
+        dict.fromkeys(("pitch_off", "roll_off", "speed_off", "yaw_off"), by_hand),
+        pulse={
+            "elevator": lambda t: -min(0.03 * t, 1.0) * by_hand(t),
+            "throttle": lambda t: -by_hand(t),
+        },
+    ).after(stalls[0])
+    angle, h, vc, hdot = (record[signal] for signal in ("alpha", "h", "vc", "hdot"))
     assert np.max(angle[240:]) < stall  # 2 s later, and it does not stall again
     assert np.min(h) > h[0] - loss
     # the lowest airspeed, or that found at engagement
@@ -233,24 +234,15 @@ def test_the_highest_airspeed_is_not_exceeded():
 @pytest.mark.parametrize("v_mode", [0.0, 2.0])
 def test_throttle_is_taken_above_the_highest_airspeed(v_mode):
     # in gusts an airspeed loop stayed 15 kt above it, and a throttle that is given remained
-    autopilot = Autopilot("A320", T=T)
-    signals = {"h": 7700.0, "alpha": 2.0, "theta": 2.0, "v_mode": v_mode, "thr_ref": 0.3}
-    state = autopilot.initial_state()
-    for k in range(300):
-        signals["vc"] = 340.0 if k < 60 else 1.04 * 350.0  # VMO
-        u = [signals.get(name, 0.0) for name in autopilot.input_port_labels]
-        command, state = autopilot.law(u, state)
-        if k == 59:
-            before = command[3]
-    assert command[3] - before < -0.9
+    level = {"h": 7700.0, "alpha": 2.0, "theta": 2.0, "v_mode": v_mode, "thr_ref": 0.3}
+    rows = [level | {"vc": 340.0 if k < 60 else 1.04 * 350.0} for k in range(300)]  # VMO
+    throttle = [y["throttle"] for y in samples(Autopilot("A320", T=T), rows)]
+    assert throttle[-1] - throttle[59] < -0.9
 
 
 def test_an_altitude_without_air_has_limits_too():
-    autopilot = Autopilot("A320", T=T)
-    signals = {"h": 1e9, "alpha": 2.0, "vc": 200.0}
-    u = [signals.get(name, 0.0) for name in autopilot.input_port_labels]
-    command, _ = autopilot.law(u, autopilot.initial_state())
-    assert np.isfinite(command).all()
+    (y,) = samples(Autopilot("A320", T=T), [{"h": 1e9, "alpha": 2.0, "vc": 200.0}])
+    assert np.isfinite([*y.values()]).all()
 
 
 def test_throttle_is_added_where_the_ground_forbids_the_descent():
@@ -343,72 +335,57 @@ def test_a_failed_engine_leaves_no_heading_error(name, altitude, speed):
     # 3.1, 2.1 and 1.4 deg with the bank of straight flight of the gains
     condition = TrimCondition(altitude=altitude, speed=speed, gear=0.0, heading=90.0)
     plane = Aircraft(name, condition=condition, T=T, substeps=2, input_properties=["throttle[0]"])
-    autopilot = Autopilot(name, T=T)
-    state, y, psi = autopilot.initial_state(), plane.outputs.to_array(), []
-    for k in range(round(90.0 / T)):
-        seen = dict(zip(STATES, y, strict=False))
-        u = [float(seen.get(port, 0.0)) for port in autopilot.input_port_labels]
-        command, state = autopilot.law(u, state)
-        failed = -1.0 if k * T > 5.0 else 0.0
-        y = plane.advance(k + 1, [*command[:4], 0.0, 0.0, 0.0, failed])
-        psi.append(dict(zip(STATES, y, strict=False))["psi"])
-    assert np.max(np.abs(wrap(np.array(psi) - 90.0))) > 0.4
-    assert np.max(np.abs(wrap(np.array(psi[round(70.0 / T) :]) - 90.0))) < 0.2
+
+    def fail(t):
+        plane.inputs["throttle[0]"] = -1.0
+
+    record = fly(plane, 90.0, {}, events=[Schedule(5.0, None, 100.0, fail)], T=T)
+    error = wrap(record["psi"] - 90.0)
+    assert np.max(np.abs(error)) > 0.4
+    assert np.max(np.abs(error[record["t"] > 70.0])) < 0.2
 
 
-def idle(seconds, hold, *unwired):
-    """A c172p with the throttle closed; the hold keeps the altitude."""
-    plane, scope, closed = start("c172p", altitude=1500.0, speed=80.0), Scope(), Constant(-1.0)
-    seen = tuple(n for n in hold.input_port_labels if n in STATES and n not in unwired)
-    sim = Simulation(
-        [plane, hold, scope, closed],
-        [
-            Connection(plane[seen], hold[seen]),
-            Connection(hold["elevator"], plane["elevator"]),
-            Connection(closed, plane["throttle"]),
-            Connection(plane["alpha"], scope[0]),
-        ],
-        dt=1 / 120,
-        log=False,
-    )
-    sim.run(seconds)
-    return np.max(scope.read()[1])
+def closing(plane, *holds, at=0.0, unwired=()):
+    """An aircraft under holds whose throttle closes; the scope has airspeed and angle of attack."""
+    scope, throttle = Scope(), StepSource(-1.0, at)
+    wires = [Connection(throttle, plane["throttle"]), Connection(plane["vc", "alpha"], scope[:2])]
+    for hold in holds:
+        seen = tuple(n for n in hold.input_port_labels if n in STATES and n not in unwired)
+        command = next(p for p in hold.output_port_labels if p in plane.input_port_labels)
+        wires += [Connection(plane[seen], hold[seen]), Connection(hold[command], plane[command])]
+    return Simulation([plane, *holds, scope, throttle], wires, dt=1 / 120, log=False), scope
 
 
 @pytest.mark.parametrize(("unwired", "stalls"), [((), False), (("alpha",), True)])
 def test_glideslope_hold_gives_way_before_the_stall(unwired, stalls):
-    hold = GlideslopeHold("c172p", threshold=(1.0, 0.0))
-    assert (idle(20.0, hold, *unwired) > limits("c172p").alpha_max + 1.0) == stalls
+    plane = start("c172p", altitude=1500.0, speed=80.0)
+    sim, scope = closing(plane, GlideslopeHold("c172p", threshold=(1.0, 0.0)), unwired=unwired)
+    sim.run(20.0)
+    assert (np.max(scope.read()[1][1]) > limits("c172p").alpha_max + 1.0) == stalls
 
 
 def test_a_path_that_cannot_be_flown_is_left():
     # at idle on 3 deg: it kept the path below 50 kt, and fell
     plane = Aircraft("c172p", altitude=1500.0, speed=70.0, heading=0.0, T=T, substeps=2)
-    station, level = plane.outputs["lat"] + 0.082, RollHold("c172p", phi_ref=0.0, T=T)
-    path = GlideslopeHold("c172p", threshold=(station, plane.outputs["lon"]), T=T)
-    states, y, rows = [path.initial_state(), level.initial_state()], plane.outputs.to_array(), []
-    for k in range(round(90.0 / T)):
-        seen = dict(zip(STATES, map(float, y), strict=False))
-        commands = []
-        for i, hold in enumerate((path, level)):
-            u = [seen.get(port, 0.0) for port in hold.input_port_labels]
-            command, states[i] = hold.law(u, states[i])
-            commands.append(command)
-        (elevator, *_, captured), (aileron, *_) = commands
-        idle = -1.0 if k * T > 25.0 else 0.0
-        y = plane.advance(k + 1, [elevator, aileron, 0.0, idle, 0.0, 0.0, 0.0])
-        rows.append((captured, seen["vc"], seen["alpha"]))
-    captured, vc, alpha = np.array(rows).T
-    assert captured[round(25.0 / T)] == 1.0
-    assert captured[-1] == 0.0
+    threshold = plane.outputs["lat"] + 0.082, plane.outputs["lon"]
+    path = GlideslopeHold("c172p", threshold=threshold, T=T)
+    sim, scope = closing(plane, path, RollHold("c172p", phi_ref=0.0, T=T), at=25.0)
+    sim.run(25.0)
+    assert path.outputs["captured"] == 1.0
+    sim.run(65.0)
+    assert path.outputs["captured"] == 0.0
+    time, (vc, alpha) = scope.read()
     assert np.min(vc) > 51.0
     assert np.max(alpha) < limits("c172p").alpha_max
-    assert np.ptp(vc[round(80.0 / T) :]) < 1.0
+    assert np.ptp(vc[time > 80.0]) < 1.0
 
 
 @pytest.mark.parametrize("hold", [AltitudeHold, GlideslopeHold])
 def test_an_angle_of_attack_of_ones_own(hold):
-    assert idle(12.0, hold("c172p", alpha_max=6.0)) < 7.0
+    plane = start("c172p", altitude=1500.0, speed=80.0)
+    sim, scope = closing(plane, hold("c172p", alpha_max=6.0))
+    sim.run(12.0)
+    assert np.max(scope.read()[1][1]) < 7.0
 
 
 def test_without_the_airspeed_altitude_hold_keeps_the_angle_of_attack_alone():
@@ -628,35 +605,32 @@ def test_a_gust_shorter_than_2_s_lowers_the_nose_in_a_steep_bank_only(phi, share
     assert found.theta_max == pytest.approx(4.0 + 12.0 - 4.0 - 4.0 * seen - lead, abs=0.05)
 
 
-@pytest.mark.parametrize(("share", "excess"), [(1.0, 20.0), (0.9, 0.0), (0.5, 0.0)])
-def test_a_climb_takes_the_throttle_that_the_airspeed_leaves(share, excess):
-    # level flight at 62 KCAS at sea level, 20 ft/s at full throttle, at least 60 KCAS
-    limits = EnvelopeLimits(alpha_max=12.0, vc_min=60.0, climb_max=20.0, descent_max=20.0)
-    guard, vc = Protection(1 / 120, None, limits), 62.0
-    vc_cmd = vc / share
-    alpha = 12.0 * (60.0 / (1.1 * vc)) ** 2
-    found, _ = guard.sample(guard.START, 4.0, alpha, 0.0, 0.0, vc, False, False, vc_cmd)
-    stiffness = 0.1 * vc * 1.68781 / 32.174
-    lost = 20.0 - stiffness * (vc_cmd - 5.0 - vc) * 1.68781
-    spare = excess + stiffness * (vc - 0.96 * 60.0) * 1.68781
-    # near its lowest airspeed an aircraft descends to gain the one demanded
-    assert found.climb_max == pytest.approx(min(max(lost, -20.0), spare), abs=0.01)
-
-
-@pytest.mark.parametrize(("airspeed", "share"), [(90.0, 1.0), (87.5, 0.5), (85.0, 0.0)])
-def test_a_gust_does_not_reduce_the_climb(airspeed, share):
-    # level flight, 20 ft/s at full throttle; without a gust the airspeed is another than the measured one
-    limits = EnvelopeLimits(alpha_max=12.0, vc_min=40.0, climb_max=20.0, descent_max=20.0)
-    guard, vc = Protection(1 / 120, None, limits), 86.0
-    alpha = 12.0 * (40.0 / (1.1 * vc)) ** 2
-    measured = guard.START, 4.0, alpha, 0.0, 0.0, vc, False, False, 90.0
+@pytest.mark.parametrize(
+    ("vc", "slowest", "vc_cmd", "airspeed", "excess"),
+    [
+        # the throttle that the airspeed leaves
+        (62.0, 60.0, 62.0, 62.0, 20.0),
+        (62.0, 60.0, 62.0 / 0.9, 62.0, 0.0),
+        (62.0, 60.0, 62.0 / 0.5, 62.0, 0.0),
+        # in gusts, without which the airspeed is another than the measured one
+        (86.0, 40.0, 90.0, 90.0, 20.0),
+        (86.0, 40.0, 90.0, 87.5, 10.0),
+        (86.0, 40.0, 90.0, 85.0, 0.0),
+    ],
+)
+def test_a_climb_takes_the_throttle_that_the_airspeed_leaves(vc, slowest, vc_cmd, airspeed, excess):
+    # level flight at sea level, 20 ft/s at full throttle, at least the slowest airspeed
+    limits = EnvelopeLimits(alpha_max=12.0, vc_min=slowest, climb_max=20.0, descent_max=20.0)
+    guard, alpha = Protection(1 / 120, None, limits), 12.0 * (slowest / (1.1 * vc)) ** 2
+    measured = guard.START, 4.0, alpha, 0.0, 0.0, vc, False, False, vc_cmd
     found, _ = guard.sample(*measured, airspeed=airspeed)
-    stiffness = 0.1 * vc * 1.68781 / 32.174 * 1.68781
-    spare = stiffness * (vc - 0.96 * 40.0)
-    traded = 20.0 - stiffness * (85.0 - airspeed)
-    assert found.climb_max == pytest.approx(min(traded, 20.0 * share + spare), abs=0.01)
+    stiffness = 0.1 * vc * 1.68781**2 / 32.174
+    traded = 20.0 - stiffness * (vc_cmd - 5.0 - airspeed)
+    spare = excess + stiffness * (vc - 0.96 * slowest)
+    # near its lowest airspeed an aircraft descends to gain the one demanded
+    assert found.climb_max == pytest.approx(min(max(traded, -20.0), spare), abs=0.01)
     # the limits of the airspeed follow from the measured one
-    assert found.vc_min == pytest.approx(40.0, abs=0.1)
+    assert found.vc_min == pytest.approx(slowest, abs=0.1)
 
 
 def test_the_highest_airspeed_is_the_lower_of_two():
