@@ -58,12 +58,9 @@ def test_a_file_in_a_folder_that_takes_no_new_one_is_written(tmp_path, monkeypat
     assert os.listdir(tmp_path) == ["file"]
 
 
-def test_a_new_file_is_not_left_behind(tmp_path):
+def test_a_look_whether_a_file_can_be_written_changes_none(tmp_path):
     assert writable("file", tmp_path / "new.csv") == tmp_path / "new.csv"
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_file_keeps_its_contents(tmp_path):
     path = tmp_path / "old.csv"
     path.write_text("kept")
     writable("file", str(path))

@@ -14,14 +14,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import Block, Scope
 
 import pathsim_jsbsim_blocks as package
-from pathsim_jsbsim_blocks import (
-    BlocksError,
-    LinearAircraft,
-    ParameterError,
-    PitchHold,
-    RampSource,
-    TrimCondition,
-)
+from pathsim_jsbsim_blocks import BlocksError, ParameterError, PitchHold, RampSource, TrimCondition
 from pathsim_jsbsim_blocks._core.checks import number, numbers, positive
 from pathsim_jsbsim_blocks._core.parameters import Parametric, parameter
 from pathsim_jsbsim_blocks.control.gain_tables import table
@@ -158,15 +151,6 @@ def test_ctrl_c_while_a_value_is_tried_takes_it_back():
         2.0,
         6.0,
     )
-
-
-def test_a_linear_aircraft_stays_the_one_that_was_identified():
-    plane = LinearAircraft("c172p", altitude=5000, speed=90, method="algebraic")
-    plane.altitude = 5000
-    with pytest.raises(ParameterError) as error:
-        plane.set(speed=90, altitude=3000)
-    assert (error.value.parameter, error.value.value) == ("altitude", 3000)
-    assert plane.altitude == 5000
 
 
 def test_a_start_moved_before_it_is_reached_is_the_start():

@@ -7,18 +7,16 @@ import ast
 import re
 from pathlib import Path
 
-import numpy as np
 import pathsim
 import pytest
 from package_source import nodes
 from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Amplifier, Constant, Function, Scope, Source
-from pathsim.events import Condition, Event, ZeroCrossing
+from pathsim.blocks import Amplifier, Constant, Scope, Source
+from pathsim.events import Event, ZeroCrossing
 from pathsim.utils.register import Register
 
 from pathsim_jsbsim_blocks import DiscretePID
 from pathsim_jsbsim_blocks._core import pathsim_internals as seam
-from pathsim_jsbsim_blocks._core import running
 from pathsim_jsbsim_blocks._core.clock import Settling
 from pathsim_jsbsim_blocks.scripts import runs
 
@@ -32,29 +30,18 @@ def private_names():
     return {*re.findall(r"(?:\.|\bdef )(_(?!port_labels\b)[a-z]\w*)", text)}
 
 
-def test_registers_keep_their_values_in_data():
-    register = Register(3)
-    assert hasattr(register, "_data"), (
-        "Register._data is gone: pathsim_internals.values and show need it"
-    )
+def test_registers_keep_values_and_names_and_find_ports():
+    register = Register(3, {"a": 0, "b": 1})
+    for name, users in (
+        ("_data", "values and show"),
+        ("_mapping", "port_names"),
+        ("_map", "port_number"),
+    ):
+        assert hasattr(register, name), f"Register.{name} is gone: {users} of the seam need it"
     seam.show(register, [1.0, 2.0])
     assert seam.values(register) == [1.0, 2.0, 0.0] == register.to_array().tolist()
     assert all(type(value) is float for value in seam.values(register))
-
-
-def test_registers_keep_their_names_in_mapping():
-    register = Register(2, {"a": 0, "b": 1})
-    assert hasattr(register, "_mapping"), (
-        "Register._mapping is gone: pathsim_internals.port_names needs it"
-    )
     assert list(seam.port_names(register).items()) == [("a", 0), ("b", 1)]
-
-
-def test_registers_find_ports_by_name_and_number():
-    register = Register(2, {"a": 0, "b": 1})
-    assert hasattr(register, "_map"), (
-        "Register._map is gone: pathsim_internals.port_number needs it"
-    )
     assert [seam.port_number(register, port) for port in ("b", 1, "a")] == [1, 1, 0]
 
 
@@ -111,25 +98,6 @@ def test_the_truth_value_of_what_a_diagram_has_is_whether_it_is_active():
         assert thing
         thing._active = False
         assert not thing, f"{type(thing).__name__}._active no longer says whether it is on"
-
-
-def test_a_piece_of_a_run_begins_as_a_run_does():
-    def diagram():
-        source, scope, calls = Source(lambda t: t), Scope(), []
-        event = Condition(lambda t: source.outputs[0] >= 0.5, lambda t: calls.append(t))
-        sim = Simulation([source, scope], [Connection(source, scope)], [event], dt=0.25, log=False)
-        return sim, scope, calls
-
-    (sim, scope, calls), (other, again, late) = diagram(), diagram()
-    pieces = running.SteppedRun(other)
-    for count in (1, 2, 3):
-        sim.run(count * 0.25)
-        assert pieces.run(count)
-    assert other.time == sim.time == 1.5
-    assert calls == late
-    assert len(calls) > 0
-    for one, two in zip(scope.read(), again.read(), strict=True):
-        assert np.array_equal(one, two)
 
 
 def test_a_first_step_by_hand_begins_as_a_run_does():
@@ -191,27 +159,3 @@ def test_a_block_in_subsystems_is_told_the_solver_by_each_of_them():
     alone = DiscretePID(T=0.1)
     Simulation([alone], dt=0.1, log=False)
     assert alone.events == [alone.clock]
-
-
-def test_an_evaluation_is_that_of_pathsim():
-    def diagram():
-        source, mux = Source(lambda t: 3.0 * t), Function(lambda a, b: (a + b, a - b, a * b))
-        off, gain, scope = Amplifier(7.0), Amplifier(2.0), Scope()
-        wires = [
-            Connection(source, gain, mux[1], scope[5]),
-            Connection(gain, mux[0], off),
-            Connection(mux[0, 1, 2], scope[2, 0, 4]),
-            Connection(mux[1, 2], scope[6, 7]),
-            Connection(off, scope[3]),
-            Connection(source, scope[1]),
-        ]
-        sim = Simulation([source, mux, off, gain, scope], wires, log=False)
-        off.off()
-        wires[-1].off()
-        return sim, scope
-
-    (one, seen), (other, expected) = diagram(), diagram()
-    seam.evaluate(seam.levels(one), 0.7)
-    other._update(0.7)
-    assert np.array_equal(seen.inputs.to_array(), expected.inputs.to_array())
-    assert np.count_nonzero(seen.inputs.to_array()) == 6
