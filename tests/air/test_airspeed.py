@@ -183,8 +183,7 @@ def test_shapes_broadcast():
     speeds = np.array([[50.0], [150.0], [400.0]])
     for source, target in CONVERSIONS:
         scale = 100.0 if source == "mach" else 1.0
-        out = convert(source, target)(speeds / scale, air)
-        assert np.broadcast_shapes(out.shape, (3, 4)) == (3, 4)
+        assert convert(source, target)(speeds / scale, air).shape == (3, 4)
     np.testing.assert_allclose(
         cas_to_mach(speeds, air)[2, 3], cas_to_mach(400.0, isa(20_000.0)), rtol=1e-14
     )

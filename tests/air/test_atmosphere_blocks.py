@@ -96,6 +96,9 @@ def test_linear_model_is_the_hydrostatic_equation():
     assert d[3, 1] == pytest.approx(speed_of_sound / (2 * temperature), rel=1e-6)
     assert d[1, 1] == pytest.approx(-density / temperature, rel=1e-6)
     assert d[0, 1] == pytest.approx(0.0, abs=1e-9 * pressure)
+    block.linearize(0.0)
+    linear = set_inputs(block, 5100.0, 10.0)
+    assert linear[0] == pytest.approx(pressure + 100.0 * d[0, 0], rel=1e-9)
 
 
 def test_stands_in_for_pathsim_flight():
