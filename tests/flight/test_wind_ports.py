@@ -4,16 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from pathsim import Connection, Simulation
-from pathsim.blocks import Scope, Source, StepSource
+from pathsim import Connection
+from pathsim.blocks import Source, StepSource
 from plain_jsbsim import FLIGHTS, fly, trimmed
+from plane_diagram import diagram
 
-from pathsim_jsbsim_blocks import (
-    Aircraft,
-    Autopilot,
-    RampSource,
-    TrimCondition,
-)
+from pathsim_jsbsim_blocks import Aircraft, Autopilot, RampSource, TrimCondition
 from pathsim_jsbsim_blocks import fly as run
 from pathsim_jsbsim_blocks.air import isa, tas_to_cas
 
@@ -23,18 +19,9 @@ GUSTS = [f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")]
 SHOWN = {"h": "position/h-sl-ft", "vt": "velocities/vt-fps", "nz": "accelerations/Nz"}
 
 
-def recorded(aircraft, names, *sources, duration, ports=PORTS):
-    """Outputs of a flight with sources at the first ports named."""
-    scope = Scope()
-    sim = Simulation(
-        [aircraft, scope, *sources],
-        [
-            *(Connection(s, aircraft[p]) for s, p in zip(sources, ports, strict=False)),
-            *(Connection(aircraft[name], scope[i]) for i, name in enumerate(names)),
-        ],
-        dt=T,
-        log=False,
-    )
+def recorded(aircraft, names, *sources, duration):
+    """Outputs of a flight with sources at the first ports."""
+    sim, scope = diagram(aircraft, names, dict(zip(PORTS, sources, strict=False)))
     sim.run(duration)
     return sim, scope.read()[1]
 
@@ -92,16 +79,11 @@ def on_autopilot(plane, wind=None):
     ramps = {
         port: RampSource(final=x, start=1.0, rise_time=20.0) for port, x in (wind or {}).items()
     }
-    sim = Simulation(
-        [plane, autopilot, *ramps.values()],
-        [
-            *(Connection(plane[name], autopilot[name]) for name in measured),
-            *(Connection(autopilot[name], plane[name]) for name in commands),
-            *(Connection(ramp, plane[port]) for port, ramp in ramps.items()),
-        ],
-        dt=1 / 30,
-        log=False,
-    )
+    wires = [
+        Connection(plane[measured], autopilot[measured]),
+        Connection(autopilot[commands], plane[commands]),
+    ]
+    sim, _ = diagram(plane, sources=ramps, others=[autopilot], wires=wires)
     run(sim, 300.0)
     return plane
 

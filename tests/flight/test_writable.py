@@ -4,10 +4,9 @@ JSBSim throws from some properties as they are written, where Python cannot catc
 null pointer after others: before they were refused, these tests ended with SIGABRT or SIGSEGV.
 """
 
-import numpy as np
 import pytest
-from pathsim import Connection, Simulation
 from pathsim.blocks import Constant
+from plane_diagram import diagram
 from written_properties import deaths
 
 from pathsim_jsbsim_blocks import (
@@ -45,15 +44,6 @@ WAYS_IN = {
 def test_what_would_end_the_process_is_refused(way, name):
     with pytest.raises(PropertyError) as error:
         WAYS_IN[way](name, 1)
-    assert error.value.name == name
-
-
-@pytest.mark.parametrize("name", ["propulsion/set-running", "simulation/do_simple_trim"])
-@pytest.mark.parametrize("block", [Aircraft, JSBSimFDM])
-def test_what_acts_when_written_is_no_input(block, name):
-    # written at every sample it pins the aircraft, and where it fails JSBSim ends the process
-    with pytest.raises(PropertyError) as error:
-        block(input_properties=[name])
     assert error.value.name == name
 
 
@@ -108,18 +98,6 @@ def test_a_value_that_cannot_be_is_refused_however_it_comes(way):
     assert error.value.value == -1
 
 
-def test_values_are_those_of_the_parameters_of_a_block():
-    def flown(**options):
-        plane = Aircraft("c172p", **C172P, output_properties=["position/lat-gc-rad"], **options)
-        Simulation([plane], dt=plane.T, log=False).run(0.5)
-        return plane.outputs.to_array()
-
-    named = flown(gravity="point mass", integrators={"rate_rotational": "adams-bashforth 2"})
-    numbered = flown(setup={"simulation/gravity-model": 0, AXIS: 3})
-    assert np.array_equal(named, numbered)
-    assert not np.array_equal(named, flown())
-
-
 def test_a_refused_value_leaves_the_others_unwritten():
     airframe = Airframe("c172p")
     with pytest.raises(ParameterError):
@@ -127,11 +105,6 @@ def test_a_refused_value_leaves_the_others_unwritten():
     with pytest.raises(ParameterError):
         airframe.writer_of(["fcs/flap-cmd-norm", PAYLOAD])([1.0, -1.0])
     assert airframe.fdm["fcs/flap-cmd-norm"] == 0.0
-
-
-def flying(plane, port, value):
-    source = Constant(value)
-    return Simulation([source, plane], [Connection(source, plane[port])], dt=plane.T, log=False)
 
 
 @pytest.mark.parametrize(
@@ -144,11 +117,12 @@ def flying(plane, port, value):
 )
 def test_a_negative_mass_ends_the_flight(block, allowed, refused):
     plane = block(input_properties=[PAYLOAD])
-    flying(plane, PAYLOAD, allowed).run(0.1)
+    diagram(plane, sources={PAYLOAD: Constant(allowed)})[0].run(0.1)
     assert plane.fdm[PAYLOAD] == 0.0
     plane.reset()
+    sim, _ = diagram(plane, sources={PAYLOAD: Constant(refused)})
     with pytest.raises(FlightError) as error:
-        flying(plane, PAYLOAD, refused).run(0.1)
+        sim.run(0.1)
     assert (error.value.name, error.value.value, error.value.time) == (PAYLOAD, -1.0, 0.0)
     assert plane.fdm[PAYLOAD] >= 0.0
 
@@ -161,8 +135,9 @@ def test_what_jsbsim_throws_in_flight_is_a_flight_error():
         trim_airspeed=103,
         input_properties=[target],
     )
+    sim, _ = diagram(plane, sources={target: Constant(2.0)})
     with pytest.raises(FlightError) as error:
-        flying(plane, target, 2.0).run(0.1)
+        sim.run(0.1)
     assert "waypoint" in str(error.value)
 
 
