@@ -5,8 +5,7 @@ import warnings
 from pathlib import Path
 
 import jsbsim
-from pathsim import Connection, Simulation
-from pathsim.blocks import Scope
+from plane_diagram import diagram
 
 from pathsim_jsbsim_blocks import JSBSimFDM
 from pathsim_jsbsim_blocks.errors import FlightError
@@ -47,9 +46,7 @@ def recorded(fdm, seconds, reset=False):
 
     A FlightError ends them.
     """
-    scope = Scope()
-    wires = [Connection(fdm[i], scope[i]) for i in range(len(OUTPUTS))]
-    sim = Simulation([fdm, scope], wires, dt=fdm.T, log=False)
+    sim, scope = diagram(fdm, OUTPUTS)
     with warnings.catch_warnings(), contextlib.suppress(FlightError):
         # some scripts end, crash or fail to trim; tests of warnings are apart
         warnings.simplefilter("ignore")

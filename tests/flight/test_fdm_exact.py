@@ -8,10 +8,11 @@ import math
 
 import numpy as np
 import pytest
-from pathsim import Connection, Simulation
-from pathsim.blocks import Adder, Amplifier, Integrator, Scope, Source
+from pathsim import Connection
+from pathsim.blocks import Adder, Amplifier, Constant, Integrator, Scope, Source
 from pathsim.solvers import ESDIRK43, RK4, RKBS32, RKCK54, SSPRK22
 from plain_jsbsim import FLIGHTS, fly, trimmed
+from plane_diagram import diagram
 
 from pathsim_jsbsim_blocks import JSBSimFDM
 
@@ -63,24 +64,11 @@ def block(aircraft="c172p", **more):
     )
 
 
-def wire(fdm, sources, others=(), connections=(), events=(), dt=T, **more):
-    scope = Scope()
-    n = len(sources)
-    return scope, Simulation(
-        [*sources, fdm, scope, *others],
-        [
-            *(Connection(s, fdm[i], scope[i]) for i, s in enumerate(sources)),
-            *(Connection(fdm[i], scope[n + i]) for i in range(len(OUTPUTS))),
-            *connections,
-        ],
-        list(events),
-        dt=dt,
-        log=False,
-        **more,
-    )
+def wire(fdm, sources, **more):
+    return diagram(fdm, OUTPUTS, dict(zip(INPUTS, sources, strict=True)), inputs=True, **more)
 
 
-def samples(scope, T=T, n_inputs=3):
+def samples(scope, T=T):
     """Inputs and outputs recorded at the sample instants."""
     time, data = scope.read()
     k = np.round(time / T).astype(int)
@@ -88,7 +76,7 @@ def samples(scope, T=T, n_inputs=3):
     _, first = np.unique(k[at], return_index=True)
     at = at[first]
     assert np.array_equal(k[at], np.arange(len(at)))
-    return data[:n_inputs, at].T, data[n_inputs:, at].T
+    return data[-3:, at].T, data[:-3, at].T
 
 
 def loop(u, aircraft="c172p", T=T, substeps=1):
@@ -99,7 +87,7 @@ def loop(u, aircraft="c172p", T=T, substeps=1):
 @pytest.mark.parametrize("aircraft", FLIGHTS)
 def test_bit_for_bit_at_dt_equal_T(aircraft):
     fdm = block(aircraft)
-    scope, sim = wire(fdm, [noise(1), noise(2), noise(3)])
+    sim, scope = wire(fdm, [noise(1), noise(2), noise(3)])
     sim.run(2.0)
     u, y = samples(scope)
     assert len(y) == 241
@@ -110,7 +98,7 @@ def test_bit_for_bit_at_dt_equal_T(aircraft):
 @pytest.mark.parametrize(("aircraft", "parts"), [("c172p", 2), ("737", 4)])
 def test_a_step_that_divides_T_and_the_same_after_a_reset(aircraft, parts):
     fdm = block(aircraft)
-    scope, sim = wire(fdm, sines(), dt=T / parts)
+    sim, scope = wire(fdm, sines(), dt=T / parts)
     sim.run(2.0)
     u, y = samples(scope)
     assert len(y) == 241
@@ -124,14 +112,14 @@ def test_a_step_that_divides_T_and_the_same_after_a_reset(aircraft, parts):
 
 def test_a_step_of_two_T_keeps_the_clock_and_warns():
     fdm = block()
-    scope, sim = wire(fdm, sines(), dt=2 * T)
+    sim, scope = wire(fdm, sines(), dt=2 * T)
     with pytest.warns(RuntimeWarning, match="jumps over a sample instant"):
         sim.run(2.0)
     assert fdm.samples == 240
     assert fdm.outputs["simulation/sim-time-sec"] == pytest.approx(2.0, abs=1e-12)
     _, data = scope.read()
-    u = np.repeat(data[:3].T, 2, axis=0)[:-1]
-    assert np.array_equal(data[3:].T, loop(u)[::2])
+    u = np.repeat(data[-3:].T, 2, axis=0)[:-1]
+    assert np.array_equal(data[:-3].T, loop(u)[::2])
 
 
 STATES = {
@@ -152,14 +140,8 @@ def test_every_solver(states, solver):
     # continuous states driven by the aircraft, so that the stages see its outputs
     integrators = [Integrator(0.0) for _ in range(states)]
     options = {"dt_max": T / 3} if solver in (RKBS32, RKCK54, ESDIRK43) else {}
-    scope, sim = wire(
-        fdm,
-        sines(),
-        integrators,
-        [Connection(fdm[1], *integrators)] if states else [],
-        Solver=solver,
-        **options,
-    )
+    wires = [Connection(fdm[1], *integrators)] if states else []
+    sim, scope = wire(fdm, sines(), others=integrators, wires=wires, Solver=solver, **options)
     sim.run(0.5)
     u, y = samples(scope)
     assert len(y) == 61
@@ -169,21 +151,10 @@ def test_every_solver(states, solver):
 def test_two_aircraft_at_two_rates():
     slow_T = T * 4
     fast, slow = block(), block("737", T=slow_T, substeps=4)
-    sources = sines()
-    scope, slow_scope = Scope(), Scope()
-    sim = Simulation(
-        [slow, *sources, fast, scope, slow_scope],
-        [
-            *(
-                Connection(s, fast[i], slow[i], scope[i], slow_scope[i])
-                for i, s in enumerate(sources)
-            ),
-            *(Connection(fast[i], scope[3 + i]) for i in range(len(OUTPUTS))),
-            *(Connection(slow[i], slow_scope[3 + i]) for i in range(len(OUTPUTS))),
-        ],
-        dt=T,
-        log=False,
-    )
+    sources, slow_scope, n = sines(), Scope(), len(OUTPUTS)
+    wires = [Connection(slow[:n], slow_scope[:n])]
+    wires += [Connection(s, slow[i], slow_scope[n + i]) for i, s in enumerate(sources)]
+    sim, scope = wire(fast, sources, others=[slow, slow_scope], wires=wires)
     sim.run(2.0)
     u, y = samples(scope)
     assert np.array_equal(y, loop(u))
@@ -195,7 +166,7 @@ def test_two_aircraft_at_two_rates():
 def test_substeps(substeps):
     long_T = 1 / 30
     fdm = block(T=long_T, substeps=substeps)
-    scope, sim = wire(fdm, sines(), dt=long_T)
+    sim, scope = wire(fdm, sines())
     sim.run(2.0)
     u, y = samples(scope, long_T)
     assert len(y) == 61
@@ -206,21 +177,13 @@ def test_feedback_through_algebraic_blocks_has_no_delay():
     # P control of the pitch angle, summed with a sine: u at t_k uses theta at t_k
     fdm = block()
     gain, total, source = Amplifier(0.02), Adder("++"), sine(0.5, 0.0)
-    zeros = [Source(lambda t: 0.0), Source(lambda t: 0.0)]
-    scope = Scope()
-    sim = Simulation(
-        [fdm, gain, total, source, *zeros, scope],
-        [
-            Connection(fdm["attitude/theta-deg"], gain),
-            Connection(gain, total[0]),
-            Connection(source, total[1]),
-            Connection(total, fdm[0], scope[0]),
-            Connection(zeros[0], fdm[1], scope[1]),
-            Connection(zeros[1], fdm[2], scope[2]),
-            *(Connection(fdm[i], scope[3 + i]) for i in range(len(OUTPUTS))),
-        ],
-        dt=T,
-        log=False,
+    wires = [
+        Connection(fdm["attitude/theta-deg"], gain),
+        Connection(gain, total[0]),
+        Connection(source, total[1]),
+    ]
+    sim, scope = wire(
+        fdm, [total, Constant(0.0), Constant(0.0)], others=[gain, source], wires=wires
     )
     sim.run(3.0)
     u, y = samples(scope)

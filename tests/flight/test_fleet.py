@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from fleet_conditions import BY_NEWTON, FLYING, NOT_FLYING, setup
 from how_many import first
-from pathsim import Connection, Simulation
-from pathsim.blocks import Scope, Source
+from pathsim.blocks import Source
 from plain_jsbsim import fly, trimmed
+from plane_diagram import diagram
 
 from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names
@@ -94,23 +94,13 @@ def test_level_flight_is_a_plain_loop(aircraft):
         create=flight.create,
     )
     # small enough for every aircraft to stay in the air, unstable ones included
-    sources = [
-        Source(lambda t: 0.005 * math.sin(3.0 * t)),
-        Source(lambda t: 0.005 * math.sin(2.0 * t)),
-    ]
-    scope = Scope()
-    sim = Simulation(
-        [*sources, fdm, scope],
-        [
-            *(Connection(s, fdm[i], scope[i]) for i, s in enumerate(sources)),
-            *(Connection(fdm[i], scope[2 + i]) for i in range(len(OUTPUTS))),
-        ],
-        dt=T,
-        log=False,
-    )
+    sources = {
+        INPUTS[0]: Source(lambda t: 0.005 * math.sin(3.0 * t)),
+        INPUTS[1]: Source(lambda t: 0.005 * math.sin(2.0 * t)),
+    }
+    sim, scope = diagram(fdm, OUTPUTS, sources, inputs=True)
     sim.run(10.0)
-    data = scope.read()[1].T
-    u, y = data[:, :2], data[:, 2:]
+    y, u = np.hsplit(scope.read()[1].T, [len(OUTPUTS)])
     plain = trimmed(aircraft, altitude, speed, T, setup=setup(aircraft))
     assert np.array_equal(y, fly(plain, INPUTS, u[:-1], OUTPUTS))
     # a model that misses properties can be left with a frozen clock: it did fly, level and north

@@ -6,16 +6,11 @@ import os
 import numpy as np
 import pandas
 import pytest
-from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Constant, Integrator, Scope
+from pathsim import Interface, Simulation, Subsystem
+from pathsim.blocks import Constant, Integrator
+from plane_diagram import diagram
 
-from pathsim_jsbsim_blocks import (
-    Aircraft,
-    DoubletSource,
-    JSBSimFDM,
-    TrimCondition,
-    fly,
-)
+from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, TrimCondition, fly
 from pathsim_jsbsim_blocks.cli import main
 from pathsim_jsbsim_blocks.tracks.recording import recorded_flights, tracks
 
@@ -32,14 +27,10 @@ PORTS = {
 }
 
 
-def diagram(*more, dt=1 / 120, **keywords):
+def kicked(*more, **keywords):
     plane = Aircraft("c172p", speed=90, **keywords)
-    kick, scope = DoubletSource(0.2, start=0.1, width=0.2), Scope()
-    wires = [Connection(plane[port], scope[i]) for i, port in enumerate(PORTS)]
-    blocks = [plane, kick, scope, *more]
-    return Simulation(
-        blocks, [Connection(kick, plane["elevator"]), *wires], dt=dt, log=False
-    ), scope
+    kick = DoubletSource(0.2, start=0.1, width=0.2)
+    return diagram(plane, PORTS, {"elevator": kick}, others=more, dt=1 / 120)
 
 
 def same(track, scope):
@@ -54,7 +45,7 @@ def same(track, scope):
 @pytest.mark.parametrize("more", [[], [Integrator()]], ids=["one pass", "with stages"])
 def test_a_recording_is_what_a_scope_sees(run, more):
     with recorded_flights() as recordings:
-        sim, scope = diagram(*[type(b)() for b in more])
+        sim, scope = kicked(*[type(b)() for b in more])
     run(sim, 0.5)
     run(sim, 0.25)
     [track] = tracks(recordings)
@@ -70,9 +61,9 @@ def test_a_recording_is_what_a_scope_sees(run, more):
 
 def test_other_rates():
     with recorded_flights() as recordings:
-        sim, scope = diagram(T=1 / 30, substeps=4)
+        sim, scope = kicked(T=1 / 30, substeps=4)
         sim.run(0.5)
-        other, again = diagram(T=1 / 30, substeps=4)
+        other, again = kicked(T=1 / 30, substeps=4)
         other.run(1.0)
     first, second = tracks(recordings)
     assert (first.name, second.name) == ("c172p 1", "c172p 2")
@@ -85,7 +76,7 @@ def test_other_rates():
 
 def test_an_interrupt_leaves_no_gap_and_no_row_too_many():
     with recorded_flights() as recordings:
-        sim, scope = diagram()
+        sim, scope = kicked()
     plane, calls = sim.blocks[0], []
     run, *others = plane._bound
 
@@ -130,11 +121,10 @@ RECORDED = {
 
 def test_every_signal_is_what_its_label_says():
     inputs = {"elevator": 0.05, "aileron": 0.1, "rudder": 0.2, "throttle": -0.1}
-    moved = [Constant(value) for value in inputs.values()]
+    moved = {port: Constant(value) for port, value in inputs.items()}
     with recorded_flights() as recordings:
         plane = Aircraft("c172p", condition=TrimCondition(speed=90, flaps=0.3))
-    wires = [Connection(c, plane[port]) for c, port in zip(moved, inputs, strict=True)]
-    Simulation([plane, *moved], wires, dt=1 / 120, log=False).run(1.0)
+    diagram(plane, sources=moved)[0].run(1.0)
     [track] = tracks(recordings)
     assert {*RECORDED, *PORTS.values()} >= {*track.columns} - {"speed brake", "gear"}
     for label, (name, factor) in RECORDED.items():

@@ -4,12 +4,10 @@ import math
 import re
 from pathlib import Path
 
-import jsbsim
 import numpy as np
-import pytest
-from models_from_outside import BUNDLED, changed
-from pathsim import Connection, Simulation
-from pathsim.blocks import Scope, Source
+from pathsim.blocks import Source
+from plain_jsbsim import flown_script
+from plane_diagram import diagram
 
 from pathsim_jsbsim_blocks import JSBSimFDM, TrimCondition
 
@@ -26,23 +24,10 @@ PROPERTIES = {
 COMMANDS = ["fcs/rudder-cmd-norm", "fcs/aileron-cmd-norm"]
 
 
-@pytest.fixture(scope="module")
-def script(tmp_path_factory):
-    """What JSBSim's own run of its rudder_kick shows after each step, without the 737's port."""
-    root = changed(tmp_path_factory.mktemp("jsbsim"), "737", ("<input port.*?/>", ""))
-    fdm = jsbsim.FGFDMExec(root)
-    fdm.set_debug_level(0)
-    assert fdm.load_script(str(BUNDLED / "scripts/rudder_kick.xml"))
-    assert fdm.run_ic()
-    states, commands = [], []
-    while fdm.get_sim_time() < 15.0 and fdm.run():
-        states.append([fdm[name] for name in PROPERTIES.values()])
-        commands.append([fdm[name] for name in COMMANDS])
-    return np.array(states), np.array(commands)
-
-
-def test_the_rudder_kick_is_jsbsims_own_script(script):
-    states, commands = script
+def test_the_rudder_kick_is_jsbsims_own_script():
+    rows = flown_script("scripts/rudder_kick.xml", [*PROPERTIES.values(), *COMMANDS], 15.0)
+    # the script trims in its first step
+    states, commands = np.hsplit(rows[1:], [len(PROPERTIES)])
     *_, code = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
     page = {}
     exec(compile(code, PAGE.name, "exec"), page)  # flies it
@@ -69,14 +54,9 @@ def test_an_aircraft_at_rest_moves_its_controls_as_jsbsims_c1721_does():
         "attitude/phi-deg": 1e-7,
         "attitude/psi-deg": 1e-7,
     }
-    fdm = jsbsim.FGFDMExec(None)
-    fdm.set_debug_level(0)
-    assert fdm.load_script("scripts/c1721.xml")
-    assert fdm.run_ic()
-    rows, given = [], []
-    while fdm.run():
-        rows.append([fdm[name] for name in outputs])
-        given.append([fdm[name] for name in inputs])
+    rows = flown_script("scripts/c1721.xml", [*outputs, *inputs], 60.0)
+    n = len(rows) - 1
+    assert n > 1000
 
     def ramp(t, step, size):
         return size * min(max((t - step * T) / 0.5, 0.0), 1.0)
@@ -109,19 +89,10 @@ def test_an_aircraft_at_rest_moves_its_controls_as_jsbsims_c1721_does():
         aircraft_model="c172r",
         condition=condition,
     )
-    states, commands = Scope(labels=list(outputs)), Scope(labels=inputs)
-    sim = Simulation(
-        [plane, *sources, states, commands],
-        [
-            *(Connection(s, plane[i], commands[i]) for i, s in enumerate(sources)),
-            *(Connection(plane[i], states[i]) for i in range(len(outputs))),
-        ],
-        dt=T,
-        log=False,
-    )
-    sim.run(len(rows) * T)
-    n = len(rows)
-    assert n > 1000
-    np.testing.assert_allclose(commands.read()[1].T[:n], given, atol=1e-12)
-    away = np.abs(states.read()[1].T[1 : n + 1] - rows).max(axis=0)
+    sim, scope = diagram(plane, outputs, dict(zip(inputs, sources, strict=True)), inputs=True)
+    sim.run(n * T)
+    flown = scope.read()[1].T[: n + 1]
+    # row n holds the command of the step before it
+    np.testing.assert_allclose(flown[:-1, len(outputs) :], rows[1:, len(outputs) :], atol=1e-12)
+    away = np.abs(flown[1:] - rows[1:]).max(axis=0)[: len(outputs)]
     assert (away < list(outputs.values())).all(), dict(zip(outputs, away, strict=True))
