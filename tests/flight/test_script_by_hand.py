@@ -54,7 +54,8 @@ def test_an_aircraft_at_rest_moves_its_controls_as_jsbsims_c1721_does():
         "attitude/phi-deg": 1e-7,
         "attitude/psi-deg": 1e-7,
     }
-    rows = flown_script("scripts/c1721.xml", [*outputs, *inputs], 60.0)
+    # the script ends with its last row, which no event moves
+    rows = flown_script("scripts/c1721.xml", [*outputs, *inputs], 60.0)[:-1]
     n = len(rows) - 1
     assert n > 1000
 
