@@ -1,7 +1,5 @@
 """Integrators, planet and gravity of a flight: kept through its life, and worth what they claim."""
 
-import tempfile
-
 import numpy as np
 import pytest
 from plain_jsbsim import fly, trimmed
@@ -173,12 +171,6 @@ def test_gravity_and_rotation_are_those_of_the_planet(planet, gravity, radius, j
     assert fdm["accelerations/gravity-ft_sec2"] == pytest.approx(g, rel=1e-12)
     # at rest to the Earth
     assert fdm["velocities/eci-y-fps"] == pytest.approx(rate * r, rel=1e-12, abs=1e-12)
-
-
-def test_a_planet_leaves_no_file_behind(tmp_path, monkeypatch):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    standing("round", None).reset()
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_initial_conditions_replace_those_of_a_condition_that_is_not_trimmed():

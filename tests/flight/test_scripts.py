@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from flown_scripts import OUTPUTS, bundled_reset_files, recorded, scripted
 from how_many import first
-from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Scope, StepSource
+from pathsim import Simulation
+from pathsim.blocks import StepSource
 from plain_jsbsim import flown_reset_file, flown_script, open_fdm, rows_from_start
+from plane_diagram import diagram
 
 from pathsim_jsbsim_blocks import Aircraft, JSBSimFDM, RampSource, TrimCondition
 from pathsim_jsbsim_blocks.errors import (
@@ -79,20 +80,6 @@ def test_a_reset_file_is_the_start_of_the_flight(aircraft, file):
         assert values[0] < -1.0 or abs(values[1]) > 50.0 or not np.isfinite(sum(values))
 
 
-def test_a_script_flies_in_subsystems_after_a_reset_in_the_middle():
-    rows = flown_script("scripts/737_cruise.xml", OUTPUTS, 3.0)
-    plane, number = scripted("scripts/737_cruise.xml"), len(OUTPUTS)
-    doors = Interface(), Interface()
-    inner = Subsystem([plane, doors[0]], [Connection(plane[:number], doors[0][:number])])
-    outer = Subsystem([inner, doors[1]], [Connection(inner[:number], doors[1][:number])])
-    sim = Simulation([outer], dt=plane.T, log=False)
-    sim.run(1.0)
-    sim.run(1.0, reset=True)
-    sim.run(1.0)
-    state = plane.outputs.to_array()
-    np.testing.assert_array_equal(state, rows[round(state[-1] / plane.T)])
-
-
 def test_a_file_of_outputs_is_found_beside_the_script_when_a_write_is_left_out(
     tmp_path, monkeypatch
 ):
@@ -114,29 +101,12 @@ def test_substeps_show_each_fourth_row_of_a_script():
     np.testing.assert_array_equal(flown, rows[::4][: len(flown)])
 
 
-def test_scripts_of_different_steps_fly_in_one_diagram():
-    names = ["x152", "c1721", "Test_F450_Launch"]
-    planes = [scripted(f"scripts/{name}.xml") for name in names]
-    assert len({plane.T for plane in planes}) == 3
-    sim = Simulation(planes, dt=0.001, log=False)
-    with pytest.warns(RuntimeWarning, match="not a multiple|divide|period"):
-        sim.run(0.5)
-    for name, plane in zip(names, planes, strict=True):
-        rows = flown_script(f"scripts/{name}.xml", OUTPUTS, 0.5)
-        row = round(plane.outputs.to_array()[-1] / plane.T)
-        np.testing.assert_array_equal(plane.outputs.to_array(), rows[row])
-
-
 def test_an_input_of_the_block_owns_its_property():
     script = flown_script("scripts/rudder_kick.xml", OUTPUTS, 6.0)
     T = 0.008333
     plane = scripted("scripts/rudder_kick.xml", input_properties=["fcs/rudder-cmd-norm"])
     rudder = RampSource(final=0.92, start=12 * T, rise_time=3.0)
-    scope = Scope()
-    wires = [Connection(plane[i], scope[i]) for i in range(len(OUTPUTS))]
-    sim = Simulation(
-        [plane, rudder, scope], [Connection(rudder, plane[0]), *wires], dt=T, log=False
-    )
+    sim, scope = diagram(plane, OUTPUTS, {0: rudder})
     sim.run(6.0)
     away = np.abs(scope.read()[1].T[: len(script)] - script)
     # the ramps are equal to rounding errors: 1e-9 of the force and of the state
@@ -194,7 +164,7 @@ def test_a_reset_by_an_event_does_not_begin_an_ended_flight_again(tmp_path):
         script=script, input_properties=[name], output_properties=["position/h-sl-ft"]
     )
     sick = StepSource(amplitude=[0.0, math.nan], tau=[0.0, 0.995])
-    sim = Simulation([sick, plane], [Connection(sick, plane[0])], dt=plane.T, log=False)
+    sim, _ = diagram(plane, sources={name: sick})
     for _ in range(2):  # the event is due in the period after the end
         with pytest.raises(FlightError) as error:
             sim.run(3.0)
@@ -386,7 +356,6 @@ SCRIPTS = {
     "an aircraft": ("<fdm_config/>", "is an aircraft .*, not a script"),
     "another root": ("<note/>", "is no file of JSBSim's .<note>.*script needs <runscript>"),
     "not XML": ("<runscript", "not well-formed"),
-    "empty": ("", "not well-formed"),
     "no run": ('<runscript><use aircraft="c172x" initialize="reset00"/></runscript>', "<run>"),
     "no use": ('<runscript><run start="0" end="1" dt="0.01"/></runscript>', "<use"),
 }
@@ -395,7 +364,6 @@ PARTS = {
     "dt 0": ({"dt": "0"}, "a step of 0 s"),
     "dt fast": ({"dt": "fast"}, "'fast' as dt"),
     "end early": ({"start": "5", "end": "1"}, "ends at 1 s, before its start at 5 s"),
-    "end nan": ({"end": "nan"}, "'nan' as end"),
     "no value": ({"events": event('<set name="fcs/elevator-cmd-norm"/>')}, "no value"),
     "no name": ({"events": event('<set value="1"/>')}, "without a name in event 'e'"),
     "value up": ({"events": event(put("fcs/elevator-cmd-norm", "up"))}, "t.xml:.*up"),
@@ -499,7 +467,7 @@ def test_a_property_that_is_only_reported_is_a_warning(tmp_path):
 RESETS = {
     "version 3": ('<initialize version="3"/>', "formats 1 and 2"),
     "number": ("<initialize><altitude>high</altitude></initialize>", "high"),
-    "empty": ("", "not well-formed"),
+    "not XML": ("", "not well-formed"),
     "latitude": ('<initialize><latitude unit="DEG">100</latitude></initialize>', "latitude"),
     "unit": ('<initialize><altitude unit="PARSEC">1</altitude></initialize>', "PARSEC"),
     "root": ("<runscript/>", "a script"),
