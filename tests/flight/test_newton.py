@@ -20,6 +20,8 @@ from pathsim_jsbsim_blocks.flight import trim
 from pathsim_jsbsim_blocks.flight.airframe import Airframe
 from pathsim_jsbsim_blocks.flight.trimming.search import bounded, solution
 
+CRUISE = {"altitude": 15000, "speed": 250}
+
 # ft/s2 and rad/s2, what `trim` promises
 TOLERANCES = dict.fromkeys(("udot", "vdot", "wdot"), 1e-4) | dict.fromkeys(
     ("pdot", "qdot", "rdot"), 1e-5
@@ -113,17 +115,7 @@ def test_what_is_trimmed_flies_on(aircraft, condition):
         ("DHC6", {"altitude": 5000, "speed": 133, "solver": "newton"}),
         # JSBSim's own settling of its propeller ends 5 % beside the equilibrium
         ("c172p", {"altitude": 3848, "speed": 119.3, "beta": -0.47}),
-        (
-            "737",
-            {
-                "altitude": 15000,
-                "speed": 250,
-                "mode": "turn",
-                "bank": 45,
-                "wind_north": 80,
-                "solver": "newton",
-            },
-        ),
+        ("737", {**CRUISE, "mode": "turn", "bank": 45, "wind_north": 80, "solver": "newton"}),
     ],
 )
 def test_nothing_moves_in_a_quarter_of_a_second(aircraft, condition):
