@@ -133,6 +133,7 @@ def plain(aircraft, root, state, dt, setup=None):
     fdm["ic/h-sl-ft"], fdm["ic/vc-kts"] = SINGLE["altitude"], SINGLE["speed"]
     for angle in ("alpha", "theta", "phi"):
         fdm[f"ic/{angle}-deg"] = getattr(state, angle)
+    fdm["fcs/throttle-cmd-norm"] = state.throttle[0]
     fdm.run_ic()
     fdm["fcs/throttle-cmd-norm"] = state.throttle[0]
     return fdm
@@ -140,9 +141,9 @@ def plain(aircraft, root, state, dt, setup=None):
 
 def test_a_motor_trims_as_a_plain_loop_holds_it(single):
     state = trim(Airframe("c172x", root=single), TrimCondition(**SINGLE))
-    fdm = plain("c172x", single, state, 1 / 120)
-    for name in ("pitch-trim", "aileron", "rudder"):
-        fdm[f"fcs/{name}-cmd-norm"] = getattr(state, name.replace("-", "_"))
+    surfaces = ("pitch-trim", "aileron", "rudder")
+    commands = {f"fcs/{n}-cmd-norm": getattr(state, n.replace("-", "_")) for n in surfaces}
+    fdm = plain("c172x", single, state, 1 / 120, commands)
     # the propeller of a fresh model stands still: it takes a few seconds to turn as in the trim
     fdm["propulsion/set-running"] = -1
     fdm["fcs/throttle-cmd-norm"] = state.throttle[0]
