@@ -96,9 +96,9 @@ def interpreter():
 
 @pytest.fixture
 def outside(interpreter, tmp_path):
-    """Run code in a process of its own; returns what it reports and the bytes it printed."""
+    """Run code in a process of its own, which prints and leaves nothing else; returns its report."""
 
-    def run(code):
+    def run(code, prints=b"", leaves=()):
         work, temporary, report = (tmp_path / name for name in ("work", "tmp", "report.json"))
         work.mkdir()
         temporary.mkdir()
@@ -107,8 +107,10 @@ def outside(interpreter, tmp_path):
         interpreter.stdin.flush()
         status, printed = json.loads(interpreter.stdout.readline())
         assert status == 0, printed
+        assert printed.encode("latin-1") == prints
+        assert sorted(os.listdir(work)) == [*leaves]
         assert os.listdir(temporary) == []
-        return json.loads(report.read_text()), printed.encode("latin-1"), sorted(os.listdir(work))
+        return json.loads(report.read_text())
 
     return run
 
@@ -152,11 +154,9 @@ for name in aircraft_names():
 @pytest.mark.long
 def test_all_models_open_no_socket_write_no_file_and_print_nothing(outside):
     before = fingerprint(INSTALLED), sorted(os.listdir("/"))
-    report, printed, left = outside(FLY_ALL)
+    report = outside(FLY_ALL)
     assert report["sockets"] == []
     assert report["files"] == []
-    assert printed == b""
-    assert left == []
     assert (fingerprint(INSTALLED), sorted(os.listdir("/"))) == before
     assert sorted(report["flown"]) == sorted(FLYING)
     # the others were initialised too, but for those that cannot be
@@ -178,7 +178,7 @@ def test_a_root_of_ones_own_stays_as_it_is(outside, tmp_path):
     for name in WRITERS:
         changed(root, name)
     before = fingerprint(root)
-    report, printed, left = outside(
+    report = outside(
         f"""
 report = []
 for name in {WRITERS!r}:
@@ -189,8 +189,6 @@ for name in {WRITERS!r}:
     )
     assert report == [True] * len(WRITERS)
     assert fingerprint(root) == before
-    assert printed == b""
-    assert left == []
 
 
 @pytest.mark.long
@@ -207,7 +205,7 @@ def test_sealing_goes_on_to_the_last_output(outside, tmp_path):
         end = "</fdm_config>", "".join(outputs) + "</fdm_config>"
         root = Path(changed(tmp_path / "root", "c172p", end))
         before = fingerprint(root)
-        report, printed, left = outside(
+        report = outside(
             f"""
 airframe = Airframe("c172p", root={str(root)!r})
 airframe.run_ic()
@@ -219,14 +217,12 @@ report = [airframe.fdm.run(), files()]
             received.append(receiver.recv(1000))
     assert report == [True, []]
     assert fingerprint(root) == before
-    assert printed == b""
-    assert left == []
     assert received == []
 
 
 def test_a_failed_trim_prints_nothing_whatever_jsbsims_own_variable_says(outside):
     # JSBSim does, and Python's last-resort handler prints warnings of loggers without handlers
-    report, printed, left = outside(
+    report = outside(
         """
 os.environ["JSBSIM_DEBUG"] = "127"
 from pathsim_jsbsim_blocks import TrimError
@@ -240,8 +236,6 @@ for solver in ("jsbsim", "newton"):
 """
     )
     assert len(report) == 2
-    assert printed == b""
-    assert left == []
 
 
 def test_the_network_can_be_allowed(outside, tmp_path):
@@ -250,7 +244,7 @@ def test_the_network_can_be_allowed(outside, tmp_path):
         tcp, udp = (server.getsockname()[1] for server in (one, other))
     ports = [(f'port="{theirs}"', f'port="{ours}"') for theirs, ours in ((5137, tcp), (5139, udp))]
     root = changed(tmp_path / "root", "737", *ports)
-    report, printed, _ = outside(
+    report = outside(
         f"""
 report = []
 for allow in (False, True):
@@ -259,7 +253,6 @@ for allow in (False, True):
 """
     )
     assert report == [[], [["tcp", tcp], ["udp", udp]]]
-    assert printed == b""
 
 
 @pytest.mark.parametrize("mode", ["full", "none"])
@@ -281,7 +274,7 @@ def test_files_of_another_cg_and_planet_are_gone_after_loading(outside):
     x, _, _ = empty_weight_cg("global5000")
     before = fingerprint(INSTALLED)
     # `outside` asserts that the temporary folder is empty in the end
-    report, printed, left = outside(
+    report = outside(
         f"""
 fdm = JSBSimFDM(aircraft_model="global5000", planet="round", condition=TrimCondition(
     altitude=15000, speed=250, gear=0, empty_cg_x={0.97 * x!r}))
@@ -291,8 +284,6 @@ Simulation([fdm], dt=fdm.T, log=False).run(0.5, reset=True)
 """
     )
     assert report == [[]]
-    assert left == []
-    assert printed == b""
     assert fingerprint(INSTALLED) == before
 
 
@@ -382,7 +373,7 @@ def test_the_end_of_a_thread_frees_no_logger():
 def test_threads_that_end_while_others_count_take_no_process_with_them(outside):
     # In 20,000 threads beside a busy one, one count came out wrong. What many such losses add up to
     # is subtracted at once: it freed members of JSBSim's enumerations while they were in use
-    report, printed, _ = outside(
+    report = outside(
         """
 import ctypes, jsbsim, threading
 from pathsim_jsbsim_blocks import Aircraft
@@ -404,7 +395,6 @@ report = len(flown), len(set(flown.values())), len([*jsbsim.LogLevel])
 """
     )
     assert report == [40, 1, 7]
-    assert printed == b""
 
 
 def test_each_thread_keeps_what_is_said_to_it():
@@ -445,7 +435,7 @@ def test_a_handler_that_raises_does_no_harm(capfd):
 
 def test_the_watch_sees_what_it_looks_for(outside):
     # show that the checks above detect violations: open a port, a file, and print
-    report, printed, left = outside(
+    report = outside(
         """
 import socket
 server = socket.create_server(("127.0.0.1", 0))
@@ -453,12 +443,12 @@ file = open("left.csv", "w")
 os.write(1, b"one")
 os.write(2, b"two")
 report = [sockets() == [["tcp", server.getsockname()[1]]], files()]
-"""
+""",
+        prints=b"onetwo",
+        leaves=["left.csv"],
     )
     assert report[0]
     assert report[1][0].endswith("left.csv")
-    assert printed == b"onetwo"
-    assert left == ["left.csv"]
 
 
 def test_a_copy_is_removed_even_if_loading_fails(monkeypatch, tmp_path):
