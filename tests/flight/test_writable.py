@@ -7,6 +7,7 @@ null pointer after others: before they were refused, these tests ended with SIGA
 import pytest
 from pathsim.blocks import Constant
 from plane_diagram import diagram
+from written_properties import deaths
 
 from pathsim_jsbsim_blocks import (
     Aircraft,
@@ -138,3 +139,10 @@ def test_what_jsbsim_throws_in_flight_is_a_flight_error():
     with pytest.raises(FlightError) as error:
         sim.run(0.1)
     assert "waypoint" in str(error.value)
+
+
+@pytest.mark.long
+def test_no_property_of_a_sample_ends_the_process():
+    # tests/long has all properties of all models
+    sample = "propulsion/(set-running|engine/inj)|simulation/(do_|gravity|integrator)"
+    assert deaths("B747", sample) == []
