@@ -1,5 +1,6 @@
 """FlightGear's native FDM packets, received and decoded, and the pace of the flight."""
 
+import contextlib
 import re
 import socket
 import struct
@@ -23,12 +24,18 @@ from pathsim_jsbsim_blocks.tracks.recording import recorded_flights, tracks
 PACKET = struct.Struct(">II3d6f")
 
 
-@pytest.fixture
-def receiver():
+@contextlib.contextmanager
+def listening(port=0):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
-        receiver.bind(("127.0.0.1", 0))
+        receiver.bind(("127.0.0.1", port))
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
         receiver.setblocking(False)
+        yield receiver
+
+
+@pytest.fixture
+def receiver():
+    with listening() as receiver:
         yield receiver
 
 
@@ -109,9 +116,7 @@ def test_network_files_and_flightgear_are_allowed_apart(
         f'<output name="{csv}" type="CSV" rate="60"><rates>ON</rates></output>'
     )
     root = changed(tmp_path, "c172p", ("</fdm_config>", outputs + "</fdm_config>"))
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as flightgear:
-        flightgear.bind(("127.0.0.1", 0))
-        flightgear.setblocking(False)
+    with listening() as flightgear:
         plane = Aircraft(
             "c172p",
             speed=90,
@@ -147,26 +152,17 @@ Simulation([one, two], dt=1 / 120, log=False).run(0.5)
 
 def test_the_command_flies_in_real_time_and_sends_every_aircraft(tmp_path, capsys):
     (tmp_path / "script.py").write_text(SCRIPT)
-    with (
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one,
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as two,
-    ):
+    with contextlib.ExitStack() as stack:
         for _ in range(50):  # two ports in a row that are free
-            one.bind(("127.0.0.1", 0))
-            try:
-                two.bind(("127.0.0.1", one.getsockname()[1] + 1))
+            one = stack.enter_context(listening())
+            with contextlib.suppress(OSError):
+                two = stack.enter_context(listening(one.getsockname()[1] + 1))
                 break
-            except OSError:
-                one.close()
-                one = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        one.setblocking(False)
-        two.setblocking(False)
         began = time.perf_counter()
         assert main(["run", str(tmp_path / "script.py"), "--flightgear", address(one)]) == 0
         assert time.perf_counter() - began > 0.5
         for receiver in (one, two):
             assert len(packets(receiver)) > 20
-        one.close()
     said = capsys.readouterr().out
     assert re.search(r"real time: 0\.5 s flown in \d+\.\d s, late by \d+ ms", said)
 

@@ -11,6 +11,7 @@ import sys
 import weakref
 
 import pytest
+from flights import TURBULENCE
 from plain_jsbsim import open_fdm, trimmed
 
 from pathsim_jsbsim_blocks import (
@@ -152,13 +153,6 @@ def test_engines_idle_as_they_do_after_minutes_on_the_ground():
         airframe.fdm.run()
     assert airframe.fdm["propulsion/engine/thrust-lbs"] == pytest.approx(state.thrust, rel=0.02)
     assert airframe.fdm["attitude/theta-deg"] == pytest.approx(state.theta, abs=0.3)
-
-
-TURBULENCE = {
-    "atmosphere/turb-type": 3,
-    "atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps": 50,
-    "atmosphere/turbulence/milspec/severity": 4,
-}
 
 
 @pytest.mark.parametrize("aircraft", ["c172p", "737"])
