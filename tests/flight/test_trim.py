@@ -72,14 +72,6 @@ def test_the_same_state_as_a_plain_trim(aircraft, altitude, speed, gamma):
     assert max(abs(a) for a in (state.pdot, state.qdot, state.rdot)) < 1e-4
 
 
-def test_what_is_asked_for_is_what_comes_out():
-    state = found("737", altitude=30000, mach=0.8, gear=0, heading=123)
-    assert state.mach == pytest.approx(0.8, abs=1e-9)
-    assert state.altitude == pytest.approx(30000, abs=1e-6)
-    assert state.gamma == pytest.approx(0.0, abs=1e-6)
-    assert state.psi == pytest.approx(123, abs=1e-6)
-
-
 @pytest.mark.parametrize(
     "more",
     [

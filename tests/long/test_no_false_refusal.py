@@ -78,8 +78,9 @@ def test_what_is_refused_is_not_flown_by_holds(name):
         "create": None,
         "altitude": FLIGHTS[name],
         "weight": None,
+        "flaps": None,
     }
-    plane = Plane({**task, "flaps": None})
+    plane = Plane(task)
     plane._deadline = math.inf
     slowest = plane.slowest().speed
     start = plane.first(plane.level)
