@@ -80,7 +80,8 @@ def flight():
         speed=90.0,
         gamma=2.0,
         heading=310.0,
-        setup=setup,
+        latitude=47.0,
+        longitude=8.5,
         properties=wind,
         solver="jsbsim",
     )
@@ -323,10 +324,3 @@ def test_a_heading_of_north_does_not_alternate_between_0_and_360():
     assert np.abs((psi - raw + 180.0) % 360.0 - 180.0).max() < 1e-9
     # the aircraft drifts west, by 1e-5 deg: one jump, where it really leaves north
     assert np.count_nonzero(np.abs(np.diff(psi)) > 180.0) == 1
-
-
-def test_the_block_starts_where_it_is_asked_to():
-    plane = Aircraft("c172p", speed=90.0, latitude=47.0, longitude=8.5)
-    assert plane.outputs["lat"] == pytest.approx(47.0)
-    assert plane.outputs["lon"] == pytest.approx(8.5)
-    assert plane.outputs["h"] == pytest.approx(5000.0, abs=1e-3)

@@ -20,7 +20,6 @@ from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names
 from pathsim_jsbsim_blocks.flight.fleet import TRIES, first_trim, level_flight, prepared
 
 DOCS = Path(__file__).parents[2] / "docs"
-T = 1 / 120
 INPUTS = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm"]
 OUTPUTS = [
     "aero/alpha-deg",
@@ -86,7 +85,6 @@ def test_level_flight_is_a_plain_loop(aircraft):
     if any(airframe.fdm[name] for name in airframe.of_engines("constant-speed-mode")):
         return  # JSBSim's own search may never end there
     fdm = JSBSimFDM(
-        T=T,
         input_properties=INPUTS,
         output_properties=OUTPUTS,
         aircraft_model=aircraft,
@@ -101,7 +99,7 @@ def test_level_flight_is_a_plain_loop(aircraft):
     sim, scope = diagram(fdm, OUTPUTS, sources, inputs=True)
     sim.run(10.0)
     y, u = np.hsplit(scope.read()[1].T, [len(OUTPUTS)])
-    plain = trimmed(aircraft, altitude, speed, T, setup=setup(aircraft))
+    plain = trimmed(aircraft, altitude, speed, setup=setup(aircraft))
     assert np.array_equal(y, fly(plain, INPUTS, u[:-1], OUTPUTS))
     # a model that misses properties can be left with a frozen clock: it did fly, level and north
     assert y[-1, -1] == pytest.approx(10.0)
