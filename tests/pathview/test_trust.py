@@ -17,8 +17,6 @@ from pathsim_jsbsim_blocks.errors import DiagramError, UntrustedModelError
 from pathsim_jsbsim_blocks.pathview import export_script, pvm, trusted_models, view
 from pathsim_jsbsim_blocks.pathview.trusted_models import digest, remember
 
-pytest.importorskip("pathview")
-
 MODEL = model(block("one", "Constant", value="1.5"))
 # with this port the server does not start: the model was trusted when that is the error
 NO_PORT = 99_999
@@ -112,7 +110,6 @@ def test_what_the_user_exports_is_his(tmp_path):
     ("place", "key", "value"),
     [
         (["codeContext"], "code", "x = 1"),
-        (["graph", "nodes", 0], "name", "two"),
         (["graph", "nodes", 0], "type", "Scope"),
         (["graph", "nodes", 0, "params"], "value", "2.0"),
         (["graph", "nodes", 0, "params"], "position", "1"),
@@ -202,12 +199,6 @@ def test_at_a_terminal_the_user_is_asked_once(path, monkeypatch):
     status, shown = answered("")
     assert status == 1
     assert "[y/N]" not in shown
-
-
-def test_a_damaged_model_is_damaged_first(path, capsys):
-    path.write_text("{}")
-    assert opens(path) == 1
-    assert "not a PathView model" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
