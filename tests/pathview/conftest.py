@@ -10,6 +10,11 @@ from pathsim_jsbsim_blocks.pathview.first_run import FirstRun
 from pathsim_jsbsim_blocks.pathview.reader import read_diagram
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _pathview():
+    pytest.importorskip("pathview")
+
+
 @pytest.fixture
 def saved(tmp_path):
     """The path of a script, from its text or bytes."""

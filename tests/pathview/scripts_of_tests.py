@@ -70,6 +70,13 @@ def node(model, name):
     return next(n for n in model["graph"]["nodes"] if n["name"] == name)
 
 
+def kinds(graph):
+    """Names and types of the nodes of all levels."""
+    for node in graph["nodes"]:
+        yield node["name"], node["type"]
+        yield from kinds(node.get("graph") or {"nodes": []})
+
+
 def names(model):
     return [n["name"] for n in model["graph"]["nodes"]]
 

@@ -8,8 +8,6 @@ from how_many import EXPORTED, bounded
 from pathsim_jsbsim_blocks.catalogue import diagram_folder, diagram_names, find_diagram
 from pathsim_jsbsim_blocks.pathview import export_script
 
-pytest.importorskip("pathview")
-
 
 @pytest.mark.filterwarnings("ignore:.*same for .* only")
 @pytest.mark.parametrize(

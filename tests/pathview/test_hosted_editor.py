@@ -7,11 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from scripts_of_tests import kinds
 
 from pathsim_jsbsim_blocks.catalogue import diagram_names, find_diagram
 from pathsim_jsbsim_blocks.pathview.toolboxes import OURS, core_registry
-
-pytest.importorskip("pathview")
 
 # in a process of its own: finds no jsbsim, and reports what PathView would find and run
 HOSTED = """
@@ -44,9 +43,11 @@ print(json.dumps({"runs": runs}))
 """
 
 
-@pytest.fixture(scope="module")
-def hosted():
-    models = [str(find_diagram(n).with_suffix(".pvm")) for n in diagram_names()]
+AIRCRAFT = {"Aircraft", "JSBSimFDM", "LinearAircraft", "JSBSimWrapper"}
+
+
+def test_the_diagrams_without_aircraft_run_as_the_documentation_says():
+    models = [find_diagram(n).with_suffix(".pvm") for n in diagram_names()]
     answer = subprocess.run(
         [sys.executable, "-c", HOSTED, *models],
         text=True,
@@ -54,34 +55,19 @@ def hosted():
         stdout=subprocess.PIPE,
         timeout=300,
     )
-    return json.loads(answer.stdout)
-
-
-@pytest.mark.long
-def test_the_diagrams_without_aircraft_run(hosted):
-    aircraft = {"Aircraft", "JSBSimFDM", "LinearAircraft", "JSBSimWrapper"}
-    without = [n for n in diagram_names() if not aircraft & _types(n)]
-    assert without
-    assert hosted["runs"] == without
-
-
-def test_the_documentation_names_the_diagrams_that_run_there(hosted):
+    runs = json.loads(answer.stdout)["runs"]
+    assert runs
+    assert runs == [
+        model.stem
+        for model in models
+        if not AIRCRAFT & {kind for _, kind in kinds(json.loads(model.read_text("utf-8"))["graph"])}
+    ]
     page = Path(__file__).parents[2] / "docs" / "pathview.md"
     if not page.exists():
         pytest.skip("the documentation is not installed")
     section = page.read_text(encoding="utf-8").partition("## The hosted editor")[2]
     named = re.findall(r"`(\w+)`", section.partition("diagrams run:")[2].partition("\n\n")[0])
-    assert sorted(named) == hosted["runs"]
-
-
-def _types(name):
-    def walk(graph):
-        for node in graph["nodes"]:
-            yield node["type"]
-            yield from walk(node["graph"]) if "graph" in node else ()
-
-    model = json.loads(find_diagram(name).with_suffix(".pvm").read_text(encoding="utf-8"))
-    return set(walk(model["graph"]))
+    assert sorted(named) == runs
 
 
 def test_no_block_has_the_name_of_one_of_pathviews():

@@ -4,13 +4,11 @@ import json
 import runpy
 from pathlib import Path
 
-import pytest
+from scripts_of_tests import script
 
-from pathsim_jsbsim_blocks.pathview import convert_model, export_script
+from pathsim_jsbsim_blocks.pathview import convert_model
 from pathsim_jsbsim_blocks.pathview.diagram import Diagram, Event, Graph, Node, Wire
 from pathsim_jsbsim_blocks.pathview.pvm import model
-
-pytest.importorskip("pathview")
 
 A, B = Node("a", "Block", {}, [], ["out"]), Node("b", "Block", {}, ["in"], ["out"])
 A_TO_B = Wire(0, 0, 1, 0)
@@ -62,34 +60,23 @@ def test_events_stand_in_a_row_below_the_blocks_or_stay_where_they_were():
     }
 
 
-SCRIPT = """
-from pathsim import Connection, Interface, Simulation, Subsystem
-from pathsim.blocks import Adder, Constant, Scope
-
-port = Interface()
-total = Adder()
+BLOCKS = """
+port, total = Interface(), Adder()
 part = Subsystem([port, total], [
-    Connection(port[0], total[0]), Connection(port[1], total[1]), Connection(port[2], total[2]),
-    Connection(total, port[0])])
+    *(Connection(port[i], total[i]) for i in range(3)), Connection(total, port[0])])
 a = Constant(max(
     1.0,
     0.5))
-b = Constant(2.0)
-c = Constant(3.0)
-scope = Scope()
-sim = Simulation([a, b, c, part, scope], [
-    Connection(a, part[0]), Connection(b, part[1]), Connection(c, part[2]),
-    Connection(part[0], scope[0]), Connection(part[1], scope[2])], log=False)
-
-if __name__ == "__main__":
-    sim.run(1.0)
+b, c, scope = Constant(2.0), Constant(3.0), Scope()
 """
+WIRES = """*(Connection(x, part[i]) for i, x in enumerate((a, b, c))),
+    Connection(part[0], scope[0]), Connection(part[1], scope[2])"""
 
 
-def test_a_block_has_the_ports_that_are_wired_on_either_side(tmp_path):
-    path = tmp_path / "ports.py"
-    path.write_text(SCRIPT)
-    text = export_script(path).read_text(encoding="utf-8")
+def test_a_block_has_the_ports_that_are_wired_on_either_side(export, tmp_path):
+    export(script(BLOCKS, WIRES, names="a, b, c, part, scope", after="sim.run(1.0)"))
+    path = tmp_path / "script.pvm"
+    text = path.read_text(encoding="utf-8")
     assert text.startswith('{\n  "version": ')
     assert text.endswith("\n}\n")
     graph = json.loads(text)["graph"]
@@ -107,14 +94,9 @@ def test_a_block_has_the_ports_that_are_wired_on_either_side(tmp_path):
     assert graph["nodes"][0]["params"] == {"value": "max(1.0, 0.5)"}
     (part,) = (n for n in graph["nodes"] if n["name"] == "part")
     assert ports(part["graph"]["nodes"]) == {"Interface": (2, 3), "total": (3, 1)}
-    assert sorted((w["sourcePortIndex"], w["targetPortIndex"]) for w in graph["connections"]) == [
-        (0, 0),
-        (0, 0),
-        (0, 1),
-        (0, 2),
-        (1, 2),
-    ]
+    wires = [(w["sourcePortIndex"], w["targetPortIndex"]) for w in graph["connections"]]
+    assert sorted(wires) == [(0, 0), (0, 0), (0, 1), (0, 2), (1, 2)]
     # the third input goes on inside, though the subsystem has two outputs only
-    again = runpy.run_path(str(convert_model(path.with_suffix(".pvm"), tmp_path / "out.py")))
+    again = runpy.run_path(str(convert_model(path, tmp_path / "out.py")))
     again["sim"].run(0.1)
     assert again["scope"].read()[1][0][-1] == 1.0 + 2.0 + 3.0

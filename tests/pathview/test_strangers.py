@@ -22,8 +22,6 @@ from strangers import SCRIPTS, TAILS
 from pathsim_jsbsim_blocks.errors import DiagramError
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 
-pytest.importorskip("pathview")
-
 ORDINARY = (
     "changed: global set by a function only",
     "changed: source function replaced",

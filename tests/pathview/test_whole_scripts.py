@@ -15,8 +15,6 @@ from oracle import assert_equal, first_run
 
 from pathsim_jsbsim_blocks.pathview import convert_model, export_script
 
-pytest.importorskip("pathview")
-
 FOLDER = Path(__file__).parents[1] / "data" / "scripts"
 NAMES = sorted(path.stem for path in FOLDER.glob("[0-9]*.py"))
 ALWAYS = ("36_two_tanks_class_sim", "52_thermostat_state_machine", "68_local_package")
