@@ -3,6 +3,9 @@
 import contextlib
 import json
 import re
+from pathlib import Path
+
+import numpy as np
 
 from pathsim_jsbsim_blocks.pathview.toolboxes import OURS
 
@@ -150,6 +153,13 @@ class Editor:
             self.page.wait_for_timeout(50)
         return next(filter(ENDED.search, reversed(self.messages())))
 
+    def saved(self):
+        """The model as the page saves it, without the browser's own dialog."""
+        self.page.evaluate("delete window.showSaveFilePicker")
+        with self.page.expect_download() as download:
+            self.page.click("button[aria-label='Save']")
+        return json.loads(Path(download.value.path()).read_text(encoding="utf-8"))
+
     def python(self):
         """The script that PathView exports."""
         self.page.click("button[aria-label='View Python Code']")
@@ -158,6 +168,14 @@ class Editor:
         self.page.click(".export-dialog button[aria-label='Close']")
         with open(download.value.path(), encoding="utf-8") as file:
             return file.read()
+
+
+def assert_same(streamed, expected):
+    """Recordings in the page and in the script: time and signals by the scope's name."""
+    assert streamed.keys() == expected.keys()
+    for name, (time, signals) in expected.items():
+        np.testing.assert_allclose(streamed[name][0], time, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(streamed[name][1], signals, rtol=1e-12, atol=1e-12)
 
 
 class Drawing:

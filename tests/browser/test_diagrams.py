@@ -2,12 +2,13 @@
 
 from concurrent.futures import ThreadPoolExecutor
 
-import numpy as np
 import pytest
 from pathsim import Subsystem
 
 from pathsim_jsbsim_blocks.catalogue import find_diagram, load_diagram
 from pathsim_jsbsim_blocks.pathview import pvm
+
+from .editor import assert_same
 
 
 def scopes(blocks, nodes):
@@ -39,13 +40,6 @@ def joined(first, second):
     }
 
 
-def assert_same(streamed, expected):
-    assert streamed.keys() == expected.keys()
-    for name, (time, signals) in expected.items():
-        np.testing.assert_allclose(streamed[name][0], time, rtol=1e-12, atol=1e-12)
-        np.testing.assert_allclose(streamed[name][1], signals, rtol=1e-12, atol=1e-12)
-
-
 # that a model is its script, bit for bit, is tested for all without a browser. Here is one of each:
 # an aircraft under a hold; continuous states; turbulence; Python functions and an event that ends
 # the run; DAVE-ML; subsystems are in test_scripts
@@ -59,15 +53,10 @@ NAMES = (
 SHORTER = {"autopilot_mission": 30.0}  # s
 
 
-@pytest.fixture
-def editor(fresh_editor):
-    """No name is left of another diagram."""
-    return fresh_editor
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("name", NAMES)
-def test_a_diagram_runs_in_pathview_as_its_script_does(name, editor, models):
+def test_a_diagram_runs_in_pathview_as_its_script_does(name, fresh_editor, models):
+    editor = fresh_editor  # no name is left of another diagram
     model = models[f"{name}.pvm"] = pvm.read(find_diagram(name).with_suffix(".pvm"))
     script = load_diagram(name)
     duration = SHORTER.get(name, script.DURATION)

@@ -21,23 +21,17 @@ LABELS = ["pitch angle [deg]", "reference [deg]"]
 
 
 @pytest.fixture
-def picture(request, editor):
+def picture(request, fresh_editor):
     """Take a picture for the page, if the command line asks for it."""
     folder = request.config.getoption("--screenshots", None)
 
     def take(name):
         if folder:
-            editor.page.mouse.move(600, 795)  # no tooltip
-            editor.page.wait_for_timeout(600)  # what moves comes to rest
-            editor.page.screenshot(path=f"{folder}/drawing_{name}.png")
+            fresh_editor.page.mouse.move(600, 795)  # no tooltip
+            fresh_editor.page.wait_for_timeout(600)  # what moves comes to rest
+            fresh_editor.page.screenshot(path=f"{folder}/drawing_{name}.png")
 
     return take
-
-
-@pytest.fixture
-def editor(fresh_editor):
-    """Nothing is left of other tests."""
-    return fresh_editor
 
 
 def by_hand():
@@ -61,7 +55,8 @@ def by_hand():
 
 
 @pytest.mark.long
-def test_a_diagram_drawn_from_nothing(editor, models, picture, tmp_path):
+def test_a_diagram_drawn_from_nothing(fresh_editor, models, picture, tmp_path):
+    editor = fresh_editor  # nothing is left of other tests
     page = editor.page
     drawing = Drawing(page)
     editor.open_empty()

@@ -35,8 +35,8 @@ def site(tmp_path_factory):
     return folder / "html"
 
 
-def opened(browser, site, name):
-    page = browser.new_page(device_scale_factor=4)
+def opened(browser, site, name, **options):
+    page = browser.new_page(**options)
     page.goto((site / f"{name}.html").as_uri())
     page.evaluate("document.fonts.ready")
     assert page.evaluate("document.fonts.check('16px \"Formula Math\"')")
@@ -54,7 +54,7 @@ def darkness(page, box, folder):
 
 @pytest.mark.long
 def test_overdots_of_chapter_3_are_seen(browser, site, tmp_path):
-    page = opened(browser, site, "03_diagrams")
+    page = opened(browser, site, "03_diagrams", device_scale_factor=4)
     dotted = page.locator("mover")
     source = (DOCS / "notebooks/03_diagrams.py").read_text(encoding="utf-8")
     assert dotted.count() == len(re.findall(r"\\d?dot ", source))
@@ -79,9 +79,7 @@ def test_brackets_are_as_tall_as_their_matrices(browser, site):
 @pytest.mark.long
 @pytest.mark.parametrize("name", PAGES)
 def test_formulas_fit_the_page(browser, site, name):
-    page = browser.new_page(viewport={"width": 1280, "height": 900})
-    page.goto((site / f"{name}.html").as_uri())
-    page.evaluate("document.fonts.ready")
+    page = opened(browser, site, name, viewport={"width": 1280, "height": 900})
     widths = "x => x.map(e => [e.scrollWidth, e.clientWidth])"
     formulas = page.locator(".formula").evaluate_all(widths)
     assert formulas

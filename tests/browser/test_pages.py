@@ -1,6 +1,5 @@
 """Pages that end, stand side by side, or lack blocks: no model is lost, and no run."""
 
-import json
 import os
 from pathlib import Path
 
@@ -19,14 +18,6 @@ def workers():
     children = Path(f"/proc/{os.getpid()}/task").glob("*/children")
     numbers = [int(n) for file in children for n in file.read_text().split()]
     return {n for n in numbers if b"pathview" in Path(f"/proc/{n}/cmdline").read_bytes()}
-
-
-def saved(editor):
-    """The model as the page saves it, without the browser's own dialog."""
-    editor.page.evaluate("delete window.showSaveFilePicker")
-    with editor.page.expect_download() as download:
-        editor.page.click("button[aria-label='Save']")
-    return json.loads(Path(download.value.path()).read_text(encoding="utf-8"))
 
 
 def more_results(editor):
@@ -76,7 +67,7 @@ def test_a_run_ends_with_its_page_and_pages_take_nothing_from_each_other(
     assert len(workers() - running) == 1
     assert not [text for _, text, _ in third.blocks() if "(missing)" in text]
     assert third.run() == "Simulation completed successfully"
-    parameters = {node["id"]: node["params"] for node in saved(third)["graph"]["nodes"]}
+    parameters = {node["id"]: node["params"] for node in third.saved()["graph"]["nodes"]}
     for node in slow["graph"]["nodes"]:
         assert node["params"].items() <= parameters[node["id"]].items()
     assert not third.errors

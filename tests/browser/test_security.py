@@ -1,8 +1,9 @@
 """What other pages and other people's models can do to the editor: nothing."""
 
+import functools
 import json
 import threading
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import urlsplit
 
 import pytest
@@ -51,40 +52,14 @@ def hostile(*names, notes=()):
     return {**content, "simulationSettings": {"duration": "1.0", "dt": "0.1"}}
 
 
-class Elsewhere:
-    """Another web server on this machine: it serves pages and a hostile model."""
-
-    def __init__(self, name):
-        self.pages, self.asked = {}, []
-        outer = self
-
-        class Handler(BaseHTTPRequestHandler):
-            def do_GET(self):
-                outer.asked.append(self.path)
-                text = outer.pages.get(self.path, "")
-                self.send_response(200)
-                self.send_header("Access-Control-Allow-Origin", "*")
-                self.send_header("Content-Type", "text/html")
-                self.end_headers()
-                self.wfile.write(text.encode())
-
-            def log_message(self, *args):
-                pass
-
-        self.server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-        threading.Thread(target=self.server.serve_forever, daemon=True).start()
-        self.address = f"http://{name}:{self.server.server_port}"
-
-    def close(self):
-        self.server.shutdown()
-        self.server.server_close()
-
-
 @pytest.fixture(params=first(["127.0.0.1", "localhost"]))  # the same site, and another one
-def elsewhere(request):
-    elsewhere = Elsewhere(request.param)
-    yield elsewhere
-    elsewhere.close()
+def elsewhere(request, tmp_path):
+    """The address of another web server on this machine, which serves the test's folder."""
+    handler = functools.partial(SimpleHTTPRequestHandler, directory=tmp_path)
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://{request.param}:{server.server_port}"
+        server.shutdown()
 
 
 @pytest.fixture
@@ -140,7 +115,7 @@ def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, oscilla
     editor.open(oscillator)
     session = editor.page.evaluate("localStorage.getItem('flask-session-id')") + "-0"
     code = json.dumps({"id": "x", "code": f"open({str(where)!r}, 'w').close()"})
-    elsewhere.pages["/attack"] = f"""<iframe src="{editor.url(oscillator)}"></iframe>
+    attack = f"""<iframe src="{editor.url(oscillator)}"></iframe>
         <iframe src="{editor.address}/editor"></iframe>
         <form method=post target=_blank enctype=text/plain action="{editor.address}/api/exec">
         <input name='{code[:-1]}, "a": "' value='"}}'></form>
@@ -160,11 +135,12 @@ def test_another_page_cannot_call_or_frame_the_editor(editor, elsewhere, oscilla
             document.forms[0].submit();
             return out;
         }})()</script>"""
+    (tmp_path / "attack.html").write_text(attack)
     page = editor.context.new_page()
     asked, opened = [], []
     page.on("request", lambda r: asked.append(urlsplit(r.url).path))
     editor.context.on("page", lambda p: opened.append(p))
-    page.goto(f"{elsewhere.address}/attack")
+    page.goto(f"{elsewhere}/attack.html")
     read = page.evaluate("window.done")
     page.wait_for_timeout(1500)
     assert set(read) <= {"opaque"}
