@@ -65,7 +65,7 @@ DEEP = files(
     tracks="odd_inputs",
     wind="turbulence",
     _="bad_input claims conventions extreme_numbers gym host import physical_bounds plots "
-    "script_commands shared_options visible_warnings without_jsbsim words",
+    "script_commands shared_options visible_warnings without_jsbsim",
 )
 assert [name for name in (*FAST, *DEEP) if not (TESTS / name).exists()] == []
 FAST_SECONDS = 2.0  # of processor time; the first test of a module may import it

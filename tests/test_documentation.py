@@ -269,6 +269,16 @@ def test_every_published_diagram_is_mapped_to_its_notebook():
     assert f"all {len(diagram_names())} diagrams, {len(follow)} of them from" in readme
 
 
+def test_the_conda_environment_installs_the_checkout_with_its_extras():
+    text = (ROOT / "environment.yml").read_text(encoding="utf-8")
+    (extras,) = re.findall(r"^      - \.\[(.+)\]$", text, re.M)
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    for extra in extras.split(","):
+        assert re.search(rf"^{extra} = \[", project, re.M)
+    (python,) = re.findall(r"^  - python=(3\.\d+)$", text, re.M)
+    assert f"Python :: {python}" in project
+
+
 MODULES = [
     m.name
     for m in pkgutil.walk_packages(package.__path__, package.__name__ + ".")
