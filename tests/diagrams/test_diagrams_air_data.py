@@ -1,6 +1,5 @@
 """The diagrams isa_profile and constant_cas_climb against printed answers and the table."""
 
-import csv
 import runpy
 from pathlib import Path
 
@@ -8,33 +7,18 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from how_many import first
+from test_diagrams_flight import flown
 
-from pathsim_jsbsim_blocks import fly
-from pathsim_jsbsim_blocks.catalogue import find_diagram, load_diagram
-
-
-@pytest.fixture(scope="module")
-def profile():
-    diagram = load_diagram("isa_profile")
-    assert diagram.sim.time == 0.0
-    fly(diagram.sim, diagram.DURATION)
-    return diagram
+from pathsim_jsbsim_blocks.catalogue import find_diagram
 
 
-@pytest.fixture(scope="module")
-def climb():
-    diagram = load_diagram("constant_cas_climb")
-    assert diagram.sim.time == 0.0
-    fly(diagram.sim, diagram.DURATION)
-    return diagram
-
-
-def test_profile_passes_through_the_table(profile):
+def test_profile_passes_through_the_table():
+    profile = flown("isa_profile")
     _, (height,) = profile.height.read()
     _, air = profile.air.read()
     assert (height[0], height[-1]) == (0.0, 80_000.0)
-    with (Path(__file__).parents[1] / "data" / "isa_reference.csv").open() as file:
-        rows = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
+    file = Path(__file__).parents[1] / "data" / "isa_reference.csv"
+    rows = np.loadtxt(file, delimiter=",", skiprows=1)
     on_the_way = [row for row in rows if row[2] == 0.0 and row[0] in height]
     assert len(on_the_way) >= 10
     for h, _, _, temperature, pressure, density, speed_of_sound, viscosity in on_the_way:
@@ -50,7 +34,8 @@ def test_profile_passes_through_the_table(profile):
         assert (isothermal[0], isothermal[-1]) == pytest.approx((bottom, top), abs=0.1)
 
 
-def test_climb_holds_cas_then_mach(climb):
+def test_climb_holds_cas_then_mach():
+    climb = flown("constant_cas_climb")
     _, (feet,) = climb.height.read()
     _, (tas, cas, eas) = climb.airspeeds.read()
     _, (mach,) = climb.machs.read()

@@ -4,10 +4,10 @@ The tables in tests/data/studies carry 12 digits, so rtol 1e-11 is their roundin
 covers values that are zero but for rounding.
 """
 
-import csv
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pathsim_jsbsim_blocks import fly
@@ -19,15 +19,9 @@ pytestmark = pytest.mark.matrix
 DATA = Path(__file__).parents[1] / "data" / "studies"
 
 
-def table(name):
-    with (DATA / name).open() as file:
-        rows = list(csv.DictReader(file))
-    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
-
-
-def flown(name):
+def flown(name, duration=None):
     module = load_diagram(name)
-    fly(module.sim, module.DURATION)
+    fly(module.sim, duration or module.DURATION)
     return module
 
 
@@ -74,7 +68,7 @@ FLIGHTS = {
 def compared(name):
     """The diagram, flown as its table."""
     file, signals = FLIGHTS[name]
-    module, expected = flown(name), table(file)
+    module, expected = flown(name), pd.read_csv(DATA / file)
     for place, prop in signals.items():
         scope, _, label = place.partition(" ")
         time, values = signal(getattr(module, scope), label)
@@ -88,8 +82,7 @@ def test_trimmed_flight():
 
 def test_hello_jsbsim():
     module = flown("hello_jsbsim")
-    with (DATA / "01_hello_world.csv").open() as file:
-        expected = {(r["when"], r["property"]): float(r["value"]) for r in csv.DictReader(file)}
+    expected = pd.read_csv(DATA / "01_hello_world.csv").set_index(["when", "property"]).value
     trim = module.aircraft.trim
     close(trim.throttle[0], expected["trim", "fcs/throttle-cmd-norm[0]"])
     close(trim.pitch_trim, expected["trim", "fcs/pitch-trim-cmd-norm"])
@@ -106,7 +99,7 @@ def test_hello_jsbsim():
 
 def test_elevator_doublet():
     module = flown("elevator_doublet")
-    expected = table("04_elevator_doublet.csv")
+    expected = pd.read_csv(DATA / "04_elevator_doublet.csv")
     time, command = signal(module.scope, "elevator command")
     _, alpha = signal(module.scope, "angle of attack")
     t = expected["t_s"]
@@ -121,7 +114,7 @@ def test_elevator_doublet():
 @pytest.mark.long
 def test_doublet_linear_nonlinear():
     module = flown("doublet_linear_nonlinear")
-    expected = table("04_elevator_doublet.csv")
+    expected = pd.read_csv(DATA / "04_elevator_doublet.csv")
     time, linear = signal(module.attack, "angle of attack, linear")
     # the published flight, whose doublet begins at 10 s instead of 1 s
     t = expected["t_s"]

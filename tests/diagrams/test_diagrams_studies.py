@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import plain_jsbsim
 import pytest
+from test_diagrams_flight import flown
 
-from pathsim_jsbsim_blocks import fly
 from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.studies import climb_schedule
 
@@ -34,8 +34,7 @@ def at(times, scope):
 
 
 def test_rudder_kick():
-    diagram = load_diagram("rudder_kick")
-    fly(diagram.sim, 20.0)
+    diagram = flown("rudder_kick", 20.0)
     table = pd.read_csv(DATA / "07_rudder_kick.csv")
     assert diagram.sim.time == pytest.approx(table.t_s.iloc[-1])
     beta, phi = at(table.t_s, diagram.response)
@@ -45,10 +44,10 @@ def test_rudder_kick():
     # where JSBSim says 360 deg, the port says 0
     away = (psi - table["attitude/psi-deg"] + 180.0) % 360.0 - 180.0
     np.testing.assert_allclose(away, 0.0, atol=1e-8)
-    flown = table[1:]
-    aileron, rudder = at(flown.t_s - DT, diagram.commands)
-    np.testing.assert_allclose(aileron, flown["fcs/aileron-cmd-norm"], **SAME)
-    np.testing.assert_allclose(rudder, flown["fcs/rudder-cmd-norm"], **SAME)
+    later = table[1:]
+    aileron, rudder = at(later.t_s - DT, diagram.commands)
+    np.testing.assert_allclose(aileron, later["fcs/aileron-cmd-norm"], **SAME)
+    np.testing.assert_allclose(rudder, later["fcs/rudder-cmd-norm"], **SAME)
     # the rest of the flight: the bank levels out and the heading turns back
     diagram.sim.run(diagram.DURATION - 20.0)
     time, (beta, phi) = diagram.response.read()
@@ -68,8 +67,7 @@ def compare_climb(diagram, table):
 
 @pytest.mark.long
 def test_scheduled_climb():
-    diagram = load_diagram("scheduled_climb")
-    fly(diagram.sim, diagram.DURATION)
+    diagram = flown("scheduled_climb")
     table = pd.read_csv(DATA / "10_climb_scheduled_trim.csv")
     compare_climb(diagram, table)
 
@@ -100,10 +98,9 @@ def test_the_tables_of_the_scheduled_climb_are_those_of_the_study():
 
 
 def test_fixed_trim_climb():
-    diagram = load_diagram("fixed_trim_climb")
-    fly(diagram.sim, diagram.DURATION / 6)
+    diagram = flown("fixed_trim_climb", 150.0)
     table = pd.read_csv(DATA / "10_climb_fixed_trim.csv")
-    compare_climb(diagram, table[table.t_s <= diagram.DURATION / 6])
+    compare_climb(diagram, table[table.t_s <= 150.0])
     trim = diagram.aircraft.trim
     np.testing.assert_allclose(
         [trim.throttle[0], trim.pitch_trim],

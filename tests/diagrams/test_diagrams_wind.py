@@ -5,19 +5,12 @@ import math
 import numpy as np
 import pytest
 from plain_jsbsim import fly
+from test_diagrams_flight import flown
 
 from pathsim_jsbsim_blocks import DrydenTurbulence, TrimCondition
-from pathsim_jsbsim_blocks import fly as fly_diagram
-from pathsim_jsbsim_blocks.catalogue import load_diagram
 from pathsim_jsbsim_blocks.flight import Airframe, trim
 
 GUSTS = [f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down")]
-
-
-def flown(name, duration=None):
-    module = load_diagram(name)
-    fly_diagram(module.sim, duration or module.DURATION)
-    return module
 
 
 def test_gust_response():
