@@ -82,12 +82,6 @@ def test_references_are_drawn_in_the_panel_of_their_signal(scope):
     assert len(plain.get_lines()) == 1
 
 
-def test_signal_by_its_label(scope):
-    time, pitch = signal(scope, "pitch")
-    assert pitch == pytest.approx(2 * time)
-    assert np.array_equal(signal(scope, "pitch [deg]")[1], pitch)
-
-
 @pytest.mark.parametrize(
     ("call", "parameter"),
     [
@@ -108,11 +102,6 @@ def test_what_cannot_be_drawn_is_refused(call, parameter, scope):
         call(scope)
     assert error.value.parameter == parameter
     assert parameter != "label" or "did you mean" in str(error.value)
-
-
-def test_what_is_not_a_scope_is_named_by_its_type():
-    with pytest.raises(ParameterError, match="not Simulation"):
-        time_histories(Simulation([Scope()], log=False))
 
 
 def test_ground_track_is_in_longitude_and_latitude_with_its_ends_marked():

@@ -6,6 +6,7 @@ import pytest
 from pathsim import Connection
 from pathsim.blocks import Scope
 from pymap3d import geodetic2ned
+from test_diagrams_flight import flown
 
 from pathsim_jsbsim_blocks import fly as fly_diagram
 from pathsim_jsbsim_blocks.axes.earth import _ellipsoid
@@ -15,26 +16,11 @@ from pathsim_jsbsim_blocks.plots import signal
 T = 1 / 120
 
 
-@pytest.fixture(scope="module")
-def flown():
-    """Each diagram, flown once."""
-    flights = {}
-
-    def fly(name):
-        if name not in flights:
-            flights[name] = load_diagram(name)
-            assert flights[name].sim.time == 0.0  # importing does not run it
-            fly_diagram(flights[name].sim, flights[name].DURATION)
-        return flights[name]
-
-    return fly
-
-
 def settled(time, error, tolerance):
     return time[np.flatnonzero(np.abs(error) > tolerance)[-1] + 1]
 
 
-def test_pitch_hold(flown):
+def test_pitch_hold():
     diagram = flown("pitch_hold")
     time, theta = signal(diagram.pitch, "pitch angle")
     assert diagram.sim.time == pytest.approx(30.0)
@@ -50,7 +36,7 @@ def test_pitch_hold(flown):
     assert vc[-1] == pytest.approx(83.1, abs=0.1)
 
 
-def test_fleet_pitch_hold(flown):
+def test_fleet_pitch_hold():
     diagram = flown("fleet_pitch_hold")
     time, pitches = diagram.pitch.read()
     after = {}
@@ -72,7 +58,7 @@ def test_fleet_pitch_hold(flown):
 
 
 @pytest.mark.long
-def test_approach_737(flown):
+def test_approach_737():
     diagram = flown("approach_737")
     _, (distance, altitude) = diagram.position.read()
     time, (across, above) = diagram.deviation.read()
@@ -95,7 +81,7 @@ def test_approach_737(flown):
 
 
 @pytest.mark.long
-def test_stall_protection(flown):
+def test_stall_protection():
     diagram = flown("stall_protection")
     _, [kept, lost] = diagram.heights.read()
     _, [vc, vc_lost] = diagram.speeds.read()
@@ -114,7 +100,7 @@ def test_stall_protection(flown):
 
 
 @pytest.mark.long
-def test_pitch_hold_from_primitives_holds_the_same_with_more_overshoot(flown):
+def test_pitch_hold_from_primitives_holds_the_same_with_more_overshoot():
     diagram = flown("pitch_hold_primitives")
     time, theta = signal(diagram.pitch, "pitch angle")
     assert settled(time, theta - 3.0, 0.05) == pytest.approx(2.6, abs=0.05)
@@ -129,7 +115,7 @@ def test_pitch_hold_from_primitives_holds_the_same_with_more_overshoot(flown):
 
 
 @pytest.mark.long
-def test_altitude_hold(flown):
+def test_altitude_hold():
     diagram = flown("altitude_hold")
     time, h = signal(diagram.climb, "altitude")
     assert settled(time, h - 5500.0, 10.0) - 5.0 == pytest.approx(51.4, abs=0.05)
@@ -141,7 +127,7 @@ def test_altitude_hold(flown):
     assert vc.max() == pytest.approx(90.9, abs=0.1)
 
 
-def test_heading_hold_goes_the_short_way_across_north(flown):
+def test_heading_hold_goes_the_short_way_across_north():
     diagram = flown("heading_hold")
     time, psi = signal(diagram.heading, "heading")
     error = psi - 10.0
@@ -155,7 +141,7 @@ def test_heading_hold_goes_the_short_way_across_north(flown):
     assert np.max(np.abs(h - h[0])) < 4.6
 
 
-def test_airspeed_hold(flown):
+def test_airspeed_hold():
     diagram = flown("airspeed_hold")
     time, vc = signal(diagram.speed, "calibrated airspeed")
     assert settled(time, vc - 100.0, 0.5) - 5.0 == pytest.approx(11.9, abs=0.1)
@@ -164,7 +150,7 @@ def test_airspeed_hold(flown):
     assert np.max(np.abs(h - h[0])) < 3.0
 
 
-def test_yaw_damper_doubles_the_damping(flown):
+def test_yaw_damper_doubles_the_damping():
     diagram = flown("yaw_damper")
     assert diagram.damping_ratio("bare") == pytest.approx(0.18, abs=0.01)
     assert diagram.damping_ratio("damped") == pytest.approx(0.40, abs=0.01)

@@ -28,7 +28,7 @@ def flown(plane, hold, port, height, omega):
     inputs, outputs = plane.input_port_labels, plane.output_port_labels
     wires = [(outputs[x], i) for x, i in hold.input_port_labels.items() if x in outputs]
     (command,) = hold.commands
-    y, u, state = [plane.outputs[i] for i in range(len(outputs))], [0.0] * len(inputs), None
+    y, u = plane.outputs.to_array().tolist(), [0.0] * len(inputs)
     state = hold.initial_state()
     seen = np.empty((start + count * period, 2))
     for k in range(len(seen)):
