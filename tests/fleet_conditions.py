@@ -45,17 +45,16 @@ def keywords(aircraft):
     """The same flight as keywords of JSBSimFDM."""
     altitude, speed, gear, create = FLYING[aircraft]
     if aircraft in GOVERNED:
-        return {
-            "aircraft_model": aircraft,
-            "condition": TrimCondition(altitude=altitude, speed=speed, gear=gear),
-            "create": dict.fromkeys(create, 0.0),
-            "setup": {"propulsion/fuel_freeze": 1.0},
-        }
-    return {
-        "aircraft_model": aircraft,
-        "trim_altitude": altitude,
-        "trim_airspeed": speed,
-        "gear": gear,
-        "create": dict.fromkeys(create, 0.0),
-        "setup": {"propulsion/fuel_freeze": 1.0},
-    }
+        place = {"condition": TrimCondition(altitude=altitude, speed=speed, gear=gear)}
+    else:
+        place = {"trim_altitude": altitude, "trim_airspeed": speed, "gear": gear}
+    created, frozen = dict.fromkeys(create, 0.0), {"propulsion/fuel_freeze": 1.0}
+    return {"aircraft_model": aircraft, **place, "create": created, "setup": frozen}
+
+
+def flight(aircraft, **changes):
+    """The same flight as ``condition`` and ``create``, or one off it."""
+    altitude, speed, gear, create = FLYING[aircraft]
+    values = {"altitude": altitude, "speed": speed, "gear": gear, **changes}
+    condition = TrimCondition(**values, setup={"propulsion/fuel_freeze": 1.0})
+    return {"condition": condition, "create": dict.fromkeys(create, 0.0)}

@@ -268,7 +268,6 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
             "no option --altitude; it has --aircraft",
         ),
         (["study", "aoa_vs_cas", "--speeds", "90:50:10"], "FIRST:LAST:STEP"),
-        (["study", "aoa_vs_cas", "--speeds", "90:99:0"], "FIRST:LAST:STEP"),
         (["study", "trim_envelope", "--aircraft", "c17p"], "did you mean 'c172p'"),
         (["properties", "c172p", "--after", "-1"], "after must be at least 0"),
         (["properties", "737", "theta", "--trim", "--speed", "100"], "reached the end"),

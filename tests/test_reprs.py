@@ -4,12 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pathsim_jsbsim_blocks import (
-    Aircraft,
-    DoubletSource,
-    JSBSimFDM,
-    PitchHold,
-)
+from pathsim_jsbsim_blocks import Aircraft, DoubletSource, JSBSimFDM, PitchHold
 
 
 def test_an_aircraft_names_its_model_and_condition():

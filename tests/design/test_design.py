@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from fleet_conditions import FLYING
+from fleet_conditions import flight
 from how_many import first
 from models_from_outside import changed
 
@@ -26,19 +26,9 @@ designed_module = sys.modules["pathsim_jsbsim_blocks.design.designed"]
 SOME = ("c172p", "A320", "f16")
 
 
-def condition(name):
-    altitude, speed, gear, create = FLYING[name]
-    frozen = {"propulsion/fuel_freeze": 1.0}
-    return (
-        TrimCondition(altitude=altitude, speed=speed, gear=gear, setup=frozen),
-        dict.fromkeys(create, 0.0),
-    )
-
-
 @pytest.fixture(scope="module", params=first(SOME))
 def designed(request):
-    there, create = condition(request.param)
-    return design_gains(request.param, there, create=create)
+    return design_gains(request.param, **flight(request.param))
 
 
 def test_the_steps_are_as_asked_for(designed):
@@ -65,17 +55,13 @@ def test_the_margins_are_as_asked_for(designed):
 
 
 def test_the_envelope_surrounds_the_trim(designed):
-    there, create = condition(designed.aircraft)
-    plane = Aircraft(designed.aircraft, condition=there, create=create)
-    limits = designed.envelope
+    name, limits = designed.aircraft, designed.envelope
+    plane = Aircraft(name, **flight(name))
     assert plane.trim.alpha < limits.alpha_max <= 20.0
-    assert 0.4 * there.speed < limits.vc_min < there.speed
+    assert 0.4 * plane.trim.speed < limits.vc_min < plane.trim.speed
     assert designed.altitude.hdot_max <= 0.8 * limits.climb_max
     # the slowest speed trims below the limit of the angle of attack
-    slow = TrimCondition(
-        altitude=there.altitude, speed=limits.vc_min, gear=there.gear, setup=there.setup
-    )
-    at_limit = Aircraft(designed.aircraft, condition=slow, create=create).trim
+    at_limit = Aircraft(name, **flight(name, speed=limits.vc_min)).trim
     assert plane.trim.alpha < at_limit.alpha < limits.alpha_max + 0.5
 
 
@@ -92,7 +78,6 @@ def test_a_hold_takes_them_as_they_are(designed):
 @pytest.mark.long
 @pytest.mark.parametrize(("row", "loop", "limit"), [(0, "pitch", 0.25), (1, "roll", 1.0)])
 def test_an_overshoot_in_flight_shapes_the_loops_once_more(monkeypatch, row, loop, limit):
-    there, create = condition("A320")
     flights = []
 
     def flown(fresh, design, step, seconds):
@@ -103,7 +88,7 @@ def test_an_overshoot_in_flight_shapes_the_loops_once_more(monkeypatch, row, loo
         return SimpleNamespace(quality=SimpleNamespace(settling=1.0, overshoot=overshoot))
 
     monkeypatch.setattr(designed_module, "fly_step", flown)
-    found = design_gains("A320", there, create=create)
+    found = design_gains("A320", **flight("A320"))
     first, second = flights
     assert second.report[row].overshoot <= first.report[row].overshoot
     assert getattr(found, loop) == getattr(second, loop)
@@ -114,7 +99,7 @@ def test_an_overshoot_in_flight_shapes_the_loops_once_more(monkeypatch, row, loo
 def test_a_rudder_without_effect_leaves_the_yaw_loops_out(method, tmp_path):
     deflection = r"(<output>\s*)fcs/rudder-pos-rad", r"\1fcs/elsewhere"
     root = changed(tmp_path, "A320", deflection)
-    designed = design_gains("A320", condition("A320")[0], method=method, check=False, root=root)
+    designed = design_gains("A320", **flight("A320"), method=method, check=False, root=root)
     report = {row.loop: row.relaxed for row in designed.report}
     assert report["yaw"] == "left out: no rudder"
     assert designed.yaw == YawGains(K=0.0)
@@ -125,11 +110,9 @@ def test_a_rudder_without_effect_leaves_the_yaw_loops_out(method, tmp_path):
 @pytest.mark.long
 def test_the_climb_is_what_full_throttle_gives():
     # flown: the pitch angle of the trimmed climb found by bisection, at full throttle
-    designed = design_gains("737", TrimCondition(altitude=5000, speed=260, gear=0.0), check=False)
-    plane = Aircraft(
-        "737",
-        condition=TrimCondition(altitude=5000, speed=260, gear=0.0, throttle=1.0, gamma=10.0),
-    )
+    there = TrimCondition(altitude=5000, speed=260, gear=0.0)
+    designed = design_gains("737", there, check=False)
+    plane = Aircraft("737", condition=dataclasses.replace(there, throttle=1.0, gamma=10.0))
     climb = plane.outputs["vt"] * np.sin(np.radians(plane.outputs["gamma"]))
     assert designed.envelope.climb_max == pytest.approx(climb, rel=0.02)
 
@@ -151,15 +134,11 @@ def test_climb_and_descent_do_not_depend_on_a_steady_wind():
 def test_roll_and_bank_are_fed_forward_for_turns_without_sideslip(name):
     schedule = read_gains(TABLES / f"{name}.json")
     gains = schedule.points[schedule.nominal].gains
-    there, create = condition(name)
 
     def slip(yaw):
         table = dataclasses.replace(gains, yaw=yaw)
         flown = fly_step(
-            lambda: Aircraft(name, condition=there, create=create),
-            table,
-            STEPS["heading"],
-            seconds=8.0,
+            lambda: Aircraft(name, **flight(name)), table, STEPS["heading"], seconds=8.0
         )
         assert np.abs(flown.outputs["phi"]).max() == pytest.approx(25.0, abs=1.5)
         return np.abs(flown.outputs["beta"]).max()
@@ -171,17 +150,13 @@ def test_roll_and_bank_are_fed_forward_for_turns_without_sideslip(name):
 
 def test_the_bank_of_straight_flight_leaves_no_error_of_the_heading():
     # the c182 flies straight at a bank of 0.2 deg
-    there, create = condition("c182")
-    plane = Aircraft("c182", condition=there, create=create)
+    plane = Aircraft("c182", **flight("c182"))
     schedule = read_gains(TABLES / "c182.json")
     gains = schedule.points[schedule.nominal].gains
     assert gains.heading.bank == pytest.approx(plane.trim.phi, rel=1e-3)
     assert gains.heading.bank > 0.1
     flown = fly_step(
-        lambda: Aircraft("c182", condition=there, create=create),
-        gains,
-        STEPS["heading"],
-        seconds=30.0,
+        lambda: Aircraft("c182", **flight("c182")), gains, STEPS["heading"], seconds=30.0
     )
     # without it 0.09 deg
     assert flown.quality.steady_error < 0.05

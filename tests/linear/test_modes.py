@@ -231,27 +231,8 @@ def test_bad_input():
     assert (error.value.parameter, error.value.value) == ("aircraft_class", "V")
 
 
-def decrement(y):
-    """Natural frequency and damping ratio from the extrema of a decaying oscillation."""
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(y))) != 0) + 1
-    # parabolas through three samples give the extrema between them
-    times, values = [], []
-    for k in turns:
-        a, b = (y[k + 1] + y[k - 1]) / 2 - y[k], (y[k + 1] - y[k - 1]) / 2
-        times.append(k - b / (2 * a))
-        values.append(y[k] - b**2 / (4 * a))
-    swings = np.abs(np.diff(values))
-    half = np.mean(np.diff(times)) / 120
-    delta = np.mean(np.log(swings[:-1] / swings[1:]))
-    damping = delta / math.hypot(math.pi, delta)
-    return math.pi / half / math.sqrt(1 - damping**2), damping
-
-
 def prony(y, dt, order, slowest=0.1):
-    """Natural frequency and damping ratio of the oscillation in a sum of exponentials.
-
-    A decrement needs more swings than a Dutch roll with a damping ratio of 0.5 has.
-    """
+    """Natural frequency and damping ratio of the oscillation in a sum of exponentials."""
     past = np.column_stack([y[order - 1 - i : len(y) - 1 - i] for i in range(order)])
     weights = np.linalg.lstsq(past, y[order:], rcond=None)[0]
     poles = np.log(np.roots([1.0, *-weights]).astype(complex)) / dt
@@ -275,7 +256,7 @@ def test_modes_are_those_of_the_flight(name):
     slip = flight_of(name, 2, 0.05, 8, "beta")[84::12]
     rate = flight_of(name, 0, 0.02, 6, "q")[70:550:12]
     flights = {
-        "phugoid": decrement(swings),
+        "phugoid": prony(swings[::240], 2.0, 4, slowest=0.02),
         "Dutch roll": prony(slip, 0.1, 4),
         # the phugoid is in the data too
         "short period": prony(rate, 0.1, 4, slowest=0.5),

@@ -6,13 +6,7 @@ import pytest
 from test_modes import LATERAL, model
 
 from pathsim_jsbsim_blocks import Aircraft, ParameterError
-from pathsim_jsbsim_blocks.linear import (
-    LinearModel,
-    bode,
-    margins,
-    pole_map,
-    step_response,
-)
+from pathsim_jsbsim_blocks.linear import LinearModel, bode, margins, pole_map, step_response
 
 
 def lag(latency=1):

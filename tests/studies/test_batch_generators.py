@@ -26,44 +26,12 @@ def modern(x):
     return {"y": RNG.normal()}
 
 
-def old(x):
-    return {"y": OLD.normal()}
-
-
-def python(x):
-    return {"y": PYTHON.random()}
-
-
-def spawned(x):
-    return {"y": np.random.default_rng(SEEDS.spawn(1)[0]).normal()}
-
-
 class Settings:
     rng = np.random.default_rng(1)
 
 
 TOOLS = {"rng": np.random.default_rng(1)}
 draw = np.random.default_rng(1).normal
-
-
-def of_a_class(x):
-    return {"y": Settings.rng.normal()}
-
-
-def of_a_dict(x):
-    return {"y": TOOLS["rng"].normal()}
-
-
-def by_its_method(x):
-    return {"y": draw()}
-
-
-def through_a_helper(x):
-    return modern(x)
-
-
-def by_default(x, rng=np.random.default_rng(1)):  # noqa: B008
-    return {"y": rng.normal()}
 
 
 def before_it_fails(x):
@@ -94,15 +62,15 @@ def enclosed():
     ("build", "name"),
     [
         (modern, "RNG"),
-        (old, "OLD"),
-        (python, "PYTHON"),
-        (spawned, "SEEDS"),
-        (through_a_helper, "RNG"),
-        (of_a_class, "Settings.rng"),
-        (of_a_dict, "TOOLS.rng"),
-        (by_its_method, "draw"),
+        (lambda x: {"y": OLD.normal()}, "OLD"),
+        (lambda x: {"y": PYTHON.random()}, "PYTHON"),
+        (lambda x: {"y": np.random.default_rng(SEEDS.spawn(1)[0]).normal()}, "SEEDS"),
+        (lambda x: modern(x), "RNG"),  # through a helper
+        (lambda x: {"y": Settings.rng.normal()}, "Settings.rng"),
+        (lambda x: {"y": TOOLS["rng"].normal()}, "TOOLS.rng"),
+        (lambda x: {"y": draw()}, "draw"),
         (before_it_fails, "RNG"),
-        (by_default, "default 0"),
+        (lambda x, rng=np.random.default_rng(1): {"y": rng.normal()}, "default 0"),  # noqa: B008
         (functools.partial(bound, np.random.default_rng(1)), "argument 0"),
         (Study(), "attribute rng"),
         (Study().method, "attribute rng"),

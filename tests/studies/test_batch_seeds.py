@@ -82,11 +82,7 @@ def test_noise_of_pathsim_is_as_if_built_with_the_seed(kind, period, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "block",
-    [
-        "RandomNumberGenerator()",
-        "SinusoidalPhaseNoiseSource(sig_white=0.1)",
-    ],
+    "block", ["RandomNumberGenerator()", "SinusoidalPhaseNoiseSource(sig_white=0.1)"]
 )
 def test_blocks_that_draw_from_the_global_generator_follow_the_row(block, tmp_path):
     # a seed written in the script does not win

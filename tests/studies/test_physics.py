@@ -24,13 +24,15 @@ def marked(*parts, **options):
     return [bool(fault) for fault in mark_faults(table, **options).fault]
 
 
+PC7 = {"weight_lb": [2969.0, 4443.0, 4806.0], "flaps_norm": [0.0] * 3}
+
+
 def test_stall_speed_grows_with_the_weight_and_falls_with_the_flaps():
     # as the pc7's were printed at 0.4.0; speed grows with the root of the weight
-    pc7 = {"weight_lb": [2969.0, 4443.0, 4806.0], "flaps_norm": [0.0] * 3}
-    assert marked(rows("stall speed", value=[54.0, 89.0, 69.0], **pc7)) == [False, True, True]
-    sound = [54.0 * math.sqrt(w / 2969.0) for w in pc7["weight_lb"]]
-    assert marked(rows("stall speed", value=sound, **pc7)) == [False] * 3
-    assert marked(rows("stall speed", value=[54.0, math.nan, 53.0], **pc7)) == [True, False, True]
+    assert marked(rows("stall speed", value=[54.0, 89.0, 69.0], **PC7)) == [False, True, True]
+    sound = [54.0 * math.sqrt(w / 2969.0) for w in PC7["weight_lb"]]
+    assert marked(rows("stall speed", value=sound, **PC7)) == [False] * 3
+    assert marked(rows("stall speed", value=[54.0, math.nan, 53.0], **PC7)) == [True, False, True]
     flaps = {"weight_lb": [4443.0] * 3, "flaps_norm": [0.0, 0.5, 1.0]}
     assert marked(rows("stall speed", value=[89.0, 88.0, 108.0], **flaps)) == [False, False, True]
 
@@ -79,11 +81,8 @@ def test_superchargers(aircraft, boosted):
 
 
 def test_a_fault_is_drawn_hollow_and_named():
-    pc7 = {"weight_lb": [2969.0, 4443.0, 4806.0], "flaps_norm": [0.0] * 3, "chart": ["stall"] * 3}
-    table = pd.DataFrame(
-        rows("stall speed", value=[54.0, 89.0, 69.0], **pc7), columns=list(COLUMNS)
-    )
-    mark_faults(table)
+    stall = rows("stall speed", value=[54.0, 89.0, 69.0], chart=["stall"] * 3, **PC7)
+    table = mark_faults(pd.DataFrame(stall, columns=list(COLUMNS)))
     figure = performance_chart(table, charts=["stall"])
     line, hollow = figure.axes[0].lines
     assert [*hollow.get_xdata()] == [4443.0, 4806.0]

@@ -9,6 +9,7 @@ import time
 from functools import partial
 
 import pandas as pd
+import psutil
 import pytest
 
 from pathsim_jsbsim_blocks import ParameterError
@@ -170,6 +171,13 @@ def test_an_interrupted_sweep_keeps_what_is_finished(tmp_path):
     assert signal.getsignal(signal.SIGINT) is before
 
 
+def wait_for(reached):
+    deadline = time.monotonic() + 60
+    while not reached():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
 INTERRUPTED = """
 import sys, time
 from tqdm import tqdm
@@ -196,10 +204,7 @@ def test_ctrl_c_says_how_to_resume_and_leaves_nothing_behind(tmp_path, times):
         text=True,
         start_new_session=True,
     ) as process:
-        deadline = time.monotonic() + 60
-        while not path.exists() or path.read_bytes().count(b"\n") < 3:
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        wait_for(lambda: path.exists() and path.read_bytes().count(b"\n") >= 3)
         # as a terminal does, to all processes; impatient users do it twice
         for _ in range(times):
             os.killpg(process.pid, signal.SIGINT)
@@ -237,15 +242,51 @@ def test_ctrl_c_while_workers_import_leaves_the_message_alone(tmp_path):
         start_new_session=True,
         env={**os.environ, "PYTHONPATH": str(tmp_path)},
     ) as process:
-        deadline = time.monotonic() + 60
         # joblib's tracker and both workers
-        while len(list(tmp_path.glob("importing*"))) < 3:
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        wait_for(lambda: len(list(tmp_path.glob("importing*"))) >= 3)
         os.killpg(process.pid, signal.SIGINT)
         said = process.communicate(timeout=60)[1]
     assert said.count("Traceback") == 1
     assert "0 of 100 points done, resume with --resume" in said.splitlines()[-1]
+
+
+KILLED = """
+import sys, time
+from pathsim_jsbsim_blocks.studies.workers import run_parts
+
+def work(part):
+    import os, pathlib, time
+    (pathlib.Path(sys.argv[1]) / str(os.getpid())).touch()
+    while BUSY:
+        time.sleep(0.05)
+    return [{}]
+
+BUSY = sys.argv[2] == "busy"
+run_parts(work, [[i] for i in range(4)], death={}, describe=str, title="", job=dict, jobs=2,
+          resume=None, progress=False)
+print("done", flush=True)
+time.sleep(600)
+"""
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
+@pytest.mark.parametrize("state", ["busy", "idle"])
+def test_no_worker_outlives_a_killed_parent(state, tmp_path):
+    with subprocess.Popen(
+        [sys.executable, "-c", KILLED, str(tmp_path), state], stdout=subprocess.PIPE
+    ) as parent:
+        if state == "idle":
+            assert parent.stdout.readline() == b"done\n"
+        wait_for(lambda: len(os.listdir(tmp_path)) >= (2 if state == "busy" else 1))
+        children = psutil.Process(parent.pid).children(recursive=True)
+        workers = {int(pid) for pid in os.listdir(tmp_path)}
+        assert workers <= {child.pid for child in children}
+        parent.kill()
+    left = psutil.wait_procs(children, timeout=8)[1]
+    for process in left:
+        process.kill()
+    assert left == []
 
 
 @pytest.fixture(scope="module")
