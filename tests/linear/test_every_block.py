@@ -68,16 +68,3 @@ def test_without_a_state_it_is_the_slope_of_the_outputs(block, u):
         step[j] = 4e-6 * max(1.0, abs(u[j]))
         slope = (outputs(u + step) - outputs(u - step)) / (2 * step[j])
         np.testing.assert_allclose(D[:, j], slope, rtol=2e-3, atol=1e-3 * np.abs(slope).max())
-
-
-def test_a_linearised_block_takes_small_steps_as_before():
-    block = BodyToNED()
-    u = np.array([250.0, 3.0, 12.0, 4.0, 3.0, 70.0])
-    block.inputs.update_from_array(u)
-    block.linearize(0.0)
-    block.inputs.update_from_array(u + 0.01)
-    block.update(0.0)
-    linear = block.outputs.to_array().copy()
-    block.delinearize()
-    block.update(0.0)
-    np.testing.assert_allclose(linear, block.outputs.to_array(), atol=1e-4)

@@ -1,6 +1,5 @@
 """Trim maps: what they hold, that they leave nothing behind, and what they refuse."""
 
-import contextlib
 import math
 import random
 import re
@@ -128,34 +127,6 @@ def test_a_file_of_other_outputs_or_another_mode_is_another_study(tmp_path):
         with pytest.raises(ParameterError) as error:
             sweep(**other)
         assert error.value.parameter == "resume"
-
-
-@pytest.mark.parametrize(
-    ("aircraft", "altitude", "speeds"),
-    first(
-        [
-            # every other one does not trim
-            ("737", 15000, [200, 120, 300, 120, 250]),
-            ("A4", 10000, [250, 80, 300, 80, 200]),
-            ("A320", 10000, [280, 100, 300, 100, 280]),
-            ("f16", 10000, [300, 80, 350, 80, 300]),
-            ("T37", 8000, [140, 40, 160, 40, 140]),
-            ("F80C", 8000, [185, 60, 220, 60, 185]),
-            ("B747", 10000, [270, 90, 300, 90, 270]),
-            ("c182", 3000, [90, 150, 90]),  # searches for seconds
-        ],
-        2,
-    ),
-)
-def test_a_failed_search_does_not_show_in_the_next_point(aircraft, altitude, speeds):
-    airframe, found = Airframe(aircraft), []
-    for speed in speeds:
-        condition = TrimCondition(altitude=altitude, speed=speed)
-        with contextlib.suppress(TrimError):
-            found.append(trim(airframe, condition, hint=False).to_dict())
-            fresh = trim(Airframe(aircraft), condition, hint=False).to_dict()
-            assert found[-1] == pytest.approx(fresh, rel=1e-9, abs=1e-9)
-    assert len(found) == len(speeds) // 2 + 1
 
 
 @pytest.mark.parametrize(
