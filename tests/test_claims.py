@@ -85,10 +85,8 @@ def test_a_printed_line_that_differs_is_a_fault(tmp_path):
 @pytest.mark.long
 def test_the_drawn_pitch_hold_alone_ends_in_a_spiral_dive():
     # drawing.md: it begins 70 s after the start, slowed by the pitch hold
-    plane, hold = (
-        Aircraft("c172p", altitude=5000, speed=90),
-        PitchHold(gains="c172p", theta_ref=3.0),
-    )
+    plane = Aircraft("c172p", altitude=5000, speed=90)
+    hold = PitchHold(gains="c172p", theta_ref=3.0)
     scope, measured = Scope(), ("theta", "q")
     wires = [Connection(plane[name], scope[i]) for i, name in enumerate(("h", "vc", "phi"))]
     wires += [Connection(plane[measured], hold[measured])]

@@ -67,15 +67,9 @@ def test_every_block_is_public():
     assert len(BLOCKS) > 20
     # the bases of blocks, which have subclasses in the package, are not
     for part in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-        here = vars(importlib.import_module(part.name)).items()
-        for name, block in [
-            (n, o)
-            for n, o in here
-            if inspect.isclass(o)
-            and issubclass(o, Block)
-            and o.__module__ == part.name
-            and n[0] != "_"
-        ]:
+        for name, block in inspect.getmembers(importlib.import_module(part.name), inspect.isclass):
+            if not issubclass(block, Block) or block.__module__ != part.name or name[0] == "_":
+                continue
             base = any(c.__module__.startswith(package.__name__) for c in block.__subclasses__())
             assert base or BLOCKS.get(name) is block, f"{name} is missing in __all__"
 

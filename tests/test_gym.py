@@ -32,12 +32,14 @@ def level(values):
     return -abs(values["plane.theta"])
 
 
+GIVEN = {"action": ELEVATOR, "observation": PITCH, "reward": level}
+
+
 def bare(plane=None, **options):
     """A Cessna 172, or another plane, whose elevator is the action."""
     plane = plane or Aircraft("c172p", altitude=5000, speed=90)
     sim = Simulation([plane], [], dt=1 / 120, log=False)
-    given = {"action": ELEVATOR, "observation": PITCH, "reward": level, "step": 0.05}
-    return make_env(sim, **{**given, **options})
+    return make_env(sim, **{**GIVEN, "step": 0.05, **options})
 
 
 def flown(env, actions=ACTIONS, **reset):
@@ -190,12 +192,11 @@ def test_a_crash_ends_the_episode_and_the_next_is_the_same_as_ever():
 def test_a_second_environment_on_a_simulation_is_refused():
     plane = Aircraft("c172p", altitude=5000, speed=90)
     sim = Simulation([plane], [], dt=1 / 120, log=False)
-    given = {"observation": PITCH, "reward": level, "step": 0.05}
-    env = make_env(sim, action=ELEVATOR, **given)
+    env = make_env(sim, step=0.05, **GIVEN)
     before = flown(env)
     for action in (ELEVATOR, {"plane.rudder": (-1, 1)}):
         with pytest.raises(ParameterError) as error:
-            make_env(sim, action=action, wired="replace", **given)
+            make_env(sim, wired="replace", step=0.05, **{**GIVEN, "action": action})
         assert error.value.parameter == "diagram"
     assert np.array_equal(flown(env), before)
 
@@ -292,7 +293,7 @@ def test_a_plain_attribute_of_a_block_is_varied():
 
     plane, bias = Aircraft("c172p", altitude=5000, speed=90), Bias(0.1)
     sim = Simulation([plane, bias], [Connection(bias, plane["aileron"])], dt=1 / 120, log=False)
-    given = {"action": ELEVATOR, "observation": ["plane.aileron"], "reward": level}
+    given = {**GIVEN, "observation": ["plane.aileron"]}
     env = make_env(sim, vary={"bias.value": (0.1, 0.2)}, **given)
     assert env.reset(options={"bias.value": 0.15})[0] == 0.15
 
@@ -428,23 +429,22 @@ def test_bad_actions_are_refused(action):
 
 def test_diagrams_that_cannot_be_environments():
     plane, dice = Aircraft("c172p", altitude=5000, speed=90), RandomNumberGenerator()
-    given = {"action": ELEVATOR, "observation": PITCH, "reward": level}
     for block in (dice, Subsystem([Interface(), dice], [])):
         random = Simulation([plane, block], [], dt=1 / 120, log=False)
         with pytest.raises(ParameterError) as error:
-            make_env(random, **given)
+            make_env(random, **GIVEN)
         assert error.value.parameter == "diagram"
     adaptive = Simulation([plane], [], dt=1 / 120, Solver=RKCK54, log=False)
     with pytest.raises(ParameterError) as error:
-        make_env(adaptive, **given)
+        make_env(adaptive, **GIVEN)
     assert error.value.parameter == "diagram"
     with pytest.raises(ParameterError) as error:
-        make_env("pitch_hld", **given)
+        make_env("pitch_hld", **GIVEN)
     assert (error.value.parameter, error.value.value) == ("name", "pitch_hld")
     assert "'pitch_hold'" in str(error.value)
     del plane
     with pytest.raises(ParameterError, match="or of the caller of make_env"):
-        make_env(Simulation([Aircraft()], [], dt=1 / 120, log=False), **given)
+        make_env(Simulation([Aircraft()], [], dt=1 / 120, log=False), **GIVEN)
 
 
 def test_a_refused_environment_leaves_the_simulation_as_it_was():

@@ -76,28 +76,19 @@ def test_a_law_on_its_ramp_or_at_its_stop_is_told(block, duration, inputs, lost)
     assert limits(block) == lost  # looking changes nothing
 
 
+HOLDS = (PitchHold, RollHold, AltitudeHold, HeadingHold, AirspeedHold, YawDamper, Autopilot)
+
+
 @pytest.mark.filterwarnings("ignore:.*measures 0:RuntimeWarning")
 @pytest.mark.parametrize("aircraft", ["c172p", "737"])
 def test_holds_at_the_trim_of_their_aircraft_are_at_no_limit(aircraft):
     flight = {"c172p": (5000, 90, None), "737": (10_000, 280, 0.0)}[aircraft]
     plane = Aircraft(aircraft, **dict(zip(("altitude", "speed", "gear"), flight, strict=True)))
-    holds = [
-        kind(gains=aircraft)
-        for kind in (
-            PitchHold,
-            RollHold,
-            AltitudeHold,
-            HeadingHold,
-            AirspeedHold,
-            YawDamper,
-            Autopilot,
-        )
-    ]
-    ports = [*plane.output_port_labels]
+    holds = [kind(gains=aircraft) for kind in HOLDS]
     wires = [
         Connection(plane[port], hold[port])
         for hold in holds
-        for port in ports
+        for port in plane.output_port_labels
         if port in hold.input_port_labels
     ]
     scopes, more = seen(*holds)
