@@ -33,13 +33,13 @@ T = 1 / 120
 OUTPUTS = ("theta", "phi", "psi", "p", "q", "r", "beta", "h", "hdot", "vc")
 
 
-def sampled(A, b, input_, **rows):
-    """A continuous plant with one input, which is held; outputs without a row are 0."""
-    A, b = np.array(A, dtype=float), np.array(b, dtype=float)[:, None]
-    n = len(A)
-    both = expm(np.block([[A, b], [np.zeros((1, n + 1))]]) * T)
+def sampled(A, B, *inputs, **rows):
+    """A continuous plant whose inputs are held; outputs without a row are 0."""
+    n, m = len(A), len(inputs)
+    A, B = np.array(A, dtype=float), np.array(B, dtype=float).reshape(n, m)
+    both = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * T)
     C = np.array([rows.get(name, [0.0] * n) for name in OUTPUTS], dtype=float)
-    return Plant(both[:n, :n], both[:n, n:], C, [input_], OUTPUTS, T)
+    return Plant(both[:n, :n], both[:n, n:], C, [*inputs], OUTPUTS, T)
 
 
 def yawing(frequency=2.0, damping=0.2, power=-4.0):
@@ -332,14 +332,10 @@ def test_the_throttle_that_a_climb_needs_is_fed_forward_up_to_a_share_of_what_is
 def turning(slip_per_bank, slip_per_rate, power):
     """Bank with a lag, and a sideslip that bank, roll rate and rudder build up: 2nd input."""
     lag, decay = 0.4, 1.5
-    A = np.array([[0.0, 1.0, 0.0], [-1 / lag**2, -2 / lag, 0.0], [0.0, 0.0, -decay]])
-    A[2] = slip_per_bank, slip_per_rate, -decay
-    B = np.array([[0.0, 0.0], [1 / lag**2, 0.0], [0.0, power]])
-    both = expm(np.block([[A, B], [np.zeros((2, 5))]]) * T)
-    C = np.zeros((len(OUTPUTS), 3))
-    for name, row in (("phi", [1, 0, 0]), ("p", [0, 1, 0]), ("beta", [0, 0, 1])):
-        C[OUTPUTS.index(name)] = row
-    return Plant(both[:3, :3], both[:3, 3:], C, ["phi_cmd", "rudder"], OUTPUTS, T)
+    A = [[0.0, 1.0, 0.0], [-1 / lag**2, -2 / lag, 0.0], [slip_per_bank, slip_per_rate, -decay]]
+    B = [[0.0, 0.0], [1 / lag**2, 0.0], [0.0, power]]
+    rows = {"phi": [1, 0, 0], "p": [0, 1, 0], "beta": [0, 0, 1]}
+    return sampled(A, B, "phi_cmd", "rudder", **rows)
 
 
 @pytest.mark.parametrize("power", [-3.0, 5.0])

@@ -10,6 +10,8 @@ import numpy as np
 import pandas as pd
 import plain_jsbsim
 import pytest
+from pathsim import Connection, Simulation
+from pathsim.blocks import Constant
 
 from pathsim_jsbsim_blocks import Aircraft, FlightError, ParameterError, TrimCondition
 from pathsim_jsbsim_blocks.studies import batch, run_batch
@@ -21,11 +23,6 @@ def quiet(*args, **options):
 
 def pull(elevator, fuel):
     """Pitch angle of a c172p 2 s after its elevator moved."""
-    from pathsim import Connection, Simulation
-    from pathsim.blocks import Constant
-
-    from pathsim_jsbsim_blocks import Aircraft, TrimCondition
-
     step = Constant(elevator)
     # the search of the plain loop
     condition = TrimCondition(speed=90, fuel=[fuel, fuel], solver="jsbsim")

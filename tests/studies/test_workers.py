@@ -1,5 +1,6 @@
 """Workers: what a kill leaves, what a dying worker says, and the same work on a Dask cluster."""
 
+import contextlib
 import json
 import os
 import signal
@@ -65,8 +66,6 @@ def test_there_are_no_more_workers_than_parts():
 @pytest.mark.long
 def test_workers_are_in_the_folder_of_their_study(tmp_path, monkeypatch):
     def place(part):
-        import os
-
         return [{"folder": os.getcwd()} for _ in part]
 
     for name in ("first", "second"):
@@ -83,9 +82,6 @@ def test_a_study_goes_on_in_a_folder_that_is_deleted(jobs, tmp_path, monkeypatch
     folder = str(tmp_path / "gone")
 
     def work(part):
-        import contextlib
-        import os
-
         with contextlib.suppress(FileNotFoundError):
             os.rmdir(folder)
         return squares(part)
