@@ -18,12 +18,12 @@ BUDGETS = tomllib.loads((ROOT / "budgets.toml").read_text(encoding="utf-8"))
 
 def lines(root):
     """Lines of Python in each folder, those beside the folders under "."."""
-    found = {}
+    sizes = {}
     for file in root.rglob("*.py"):
         parts = file.relative_to(root).parts
         folder = parts[0] if len(parts) > 1 else "."
-        found[folder] = found.get(folder, 0) + file.read_bytes().count(b"\n")
-    return found
+        sizes[folder] = sizes.get(folder, 0) + file.read_bytes().count(b"\n")
+    return sizes
 
 
 def core():
@@ -42,6 +42,19 @@ def totals():
     return {
         name: sum(file.read_bytes().count(b"\n") for file in files) for name, files in sizes.items()
     }
+
+
+@pytest.mark.parametrize(("table", "root"), [("src", SOURCE), ("tests", ROOT / "tests")])
+def test_lines_of_each_folder(table, root):
+    sizes, most = lines(root), BUDGETS[table]
+    assert sizes.keys() == most.keys(), "budgets.toml has a line for each folder"
+    assert {name: n for name, n in sizes.items() if n > most[name]} == {}
+
+
+def test_lines_of_the_core_of_the_package_and_of_the_tools_of_the_docs():
+    sizes, most = totals(), BUDGETS["totals"]
+    assert sizes.keys() == most.keys()
+    assert {name: n for name, n in sizes.items() if n > most[name]} == {}
 
 
 # tutorials, chapters, reference and generated pages are free

@@ -321,15 +321,14 @@ def _insufficient(ending: Ending) -> tuple[str, float | None]:
 
     The search may end before the end of a range where the model limits the command to a part of it.
     """
-    flight, x, r = ending.flight, ending.x, abs(ending.r)
+    flight, row = ending.flight, int(abs(ending.r).argmax())
     for unknowns, acceleration in COMMANDS.values():
         name = next((name for name in unknowns if name in flight.names), "")
-        if not name or flight.used[int(r.argmax())] != acceleration:
+        if not name or acceleration != flight.used[row]:
             continue
-        i, row = flight.names.index(name), int(r.argmax())
-        residuals = dict[float, float]()
+        i, residuals = flight.names.index(name), dict[float, float]()
         for limit in (float(flight.low[i]), float(flight.high[i])):
-            y = x.copy()
+            y = ending.x.copy()
             y[i] = limit
             residuals[limit] = float(flight.settled(y)[row] * ending.r[row])
         if min(residuals.values()) > 0.0:

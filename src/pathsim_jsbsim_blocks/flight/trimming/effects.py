@@ -82,8 +82,10 @@ def effects(
         if not names:
             continue
         i, row = flight.names.index(name), flight.used.index(acceleration)
+        low, high = float(flight.low[i]), float(flight.high[i])
+        near = _STEP if x[i] + _STEP <= high else -_STEP
         # the model may limit the command to a part of its range: to the farther end then
-        for step in _steps(flight, i, x[i]):
+        for step in (near, max(high - x[i], low - x[i], key=abs)):
             y = x.copy()
             y[i] += step
             motion = flight.settled(y)
@@ -92,17 +94,11 @@ def effects(
             again = flight.settled(x)
             change = float(motion[row] - 0.5 * (base[row] + again[row]))
             base = again
-            size = change * RESIDUALS[acceleration] / step
+            size = change * RESIDUALS[acceleration] / float(step)
             moves = not abs(change) <= NONE  # NaN is an effect
             if moves:
                 break
         yield Effect(command, tuple(names), acceleration, size, moves, rewrites)
-
-
-def _steps(flight: SteadyFlight, i: int, value: float) -> tuple[float, float]:
-    """Changes of an unknown: by `_STEP`, and to the farther end of its range."""
-    down, up = float(flight.low[i] - value), float(flight.high[i] - value)
-    return _STEP if up >= _STEP else -_STEP, max(down, up, key=abs)
 
 
 def _at_rest(flight: SteadyFlight, x: np.ndarray) -> np.ndarray:
