@@ -15,7 +15,7 @@ from pathsim.blocks import Source
 from plain_jsbsim import fly, trimmed
 from plane_diagram import diagram
 
-from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, TrimError
+from pathsim_jsbsim_blocks import AircraftError, JSBSimFDM, ParameterError, TrimError
 from pathsim_jsbsim_blocks.flight import Airframe, aircraft_names
 from pathsim_jsbsim_blocks.flight.fleet import TRIES, first_trim, level_flight, prepared
 
@@ -43,6 +43,13 @@ def test_every_model_is_listed_and_forty_four_trim():
     assert sorted([*FLYING, *NOT_FLYING]) == sorted(aircraft_names())
     assert set(BY_NEWTON) <= set(NOT_FLYING)
     assert len(FLYING) + len(BY_NEWTON) >= 44
+
+
+@pytest.mark.parametrize("tries", [0, 1.5])
+def test_level_flight_is_tried_once_at_least(tries):
+    with pytest.raises(ParameterError) as error:
+        level_flight("c172p", tries=tries)
+    assert (error.value.parameter, error.value.value) == ("tries", tries)
 
 
 @pytest.mark.parametrize(

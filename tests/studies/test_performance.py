@@ -247,6 +247,19 @@ def test_gust_lines_are_those_of_the_printed_formula():
     assert gust.value == pytest.approx(n, rel=0.005)
 
 
+@pytest.mark.parametrize(
+    ("aircraft", "high", "low"),
+    [
+        ("T38", 2.1 + 24000.0 / 21474.0, -0.4 * (2.1 + 24000.0 / 21474.0)),  # CS 23.337, 11,474 lb
+        ("737", 2.5, -1.0),  # CS 25.337
+        ("SGS", 5.3, -2.65),  # CS 22.337, utility
+    ],
+)
+def test_load_factors_end_at_those_of_the_regulations(aircraft, high, low):
+    rows = table(aircraft, "V-n").query("quantity == 'speed at the lift limit'")
+    assert [rows.load_factor.max(), rows.load_factor.min()] == pytest.approx([high, low], rel=1e-4)
+
+
 def test_a_pull_reaches_the_lift_limit():
     (limit,) = table("c172p", "V-n").query("load_factor == 2.0").itertuples()
     assert limit.flown == pytest.approx(limit.value, rel=0.01)
