@@ -225,6 +225,13 @@ def test_wind_moves_the_ground_speed_not_the_airspeed(heading, north, east):
     assert calm.alpha == pytest.approx(still.alpha, abs=1e-6)
 
 
+def test_a_warm_trim_in_another_wind_has_the_airspeed_of_its_condition():
+    airframe, condition = Airframe("737"), {"altitude": 15000, "speed": 250, "gear": 1}
+    for wind in (50, 20):
+        trim(airframe, TrimCondition(**condition, wind_north=wind), warm=True)
+        assert airframe.fdm["velocities/vc-kts"] == pytest.approx(250, abs=1e-6)
+
+
 def test_the_cg_really_moves_and_the_installed_model_stays():
     x = empty_weight_cg("global5000")[0]
     condition = {"altitude": 15000, "speed": 250, "gear": 1}
