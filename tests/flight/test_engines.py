@@ -532,6 +532,34 @@ def test_the_effects_of_commands_are_those_of_a_short_flight(aircraft, condition
             fdm.run()
 
 
+def test_the_effect_of_a_command_whose_deflection_stays_is_that_in_plain_jsbsim():
+    # in initialisations, one after another, the f22's ailerons move to a deflection and keep it
+    pdot = {}
+    for aileron in (0.0, 0.5):
+        fdm = open_fdm("f22", 1 / 120, {"gear/gear-cmd-norm": 1.0, "gear/gear-pos-norm": 1.0})
+        fdm["ic/h-sl-ft"], fdm["ic/vc-kts"], fdm["ic/alpha-deg"] = 5000.0, 300.0, 3.0
+        fdm["fcs/aileron-cmd-norm"] = aileron
+        fdm.set_trim_status(True)
+        for _ in range(60):
+            fdm.run_ic()
+        pdot[aileron] = fdm["accelerations/pdot-rad_sec2"]
+    condition = TrimCondition(altitude=5000, speed=300, gear=1)
+    effects = {effect.command: effect for effect in responses(Airframe("f22"), condition)[1]}
+    assert effects["roll"].size == pytest.approx((pdot[0.5] - pdot[0.0]) / 0.5, rel=1e-6)
+
+
+def test_a_command_that_the_model_writes_itself_has_no_effect():
+    fdm = open_fdm("ah1s", 1 / 120, {"ic/h-sl-ft": 5000.0, "ic/vc-kts": 90.0})
+    fdm.run_ic()
+    fdm["fcs/pitch-trim-cmd-norm"] = 0.5
+    fdm.run()
+    assert fdm["fcs/pitch-trim-cmd-norm"] == 0.0
+    effects = {e.command: e for e in responses(Airframe("ah1s"), TrimCondition(**SINGLE))[1]}
+    # 0.5 of it still changes qdot by 2e-5 rad/s2, two tolerances of the search
+    assert effects["pitch"].properties == ("fcs/pitch-trim-cmd-norm",)
+    assert (effects["pitch"].moves, effects["pitch"].written_by_model) == (False, True)
+
+
 def test_a_propeller_that_stops_settles_the_second_time_as_the_first():
     """The rate of a propeller at rest, 10^7 / s, says nothing about the restarted one."""
     airframe = Airframe("c172p")

@@ -90,10 +90,9 @@ def effects(
             y[i] += step
             motion = flight.settled(y)
             rewrites = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
-            # without the command, what systems with memory (airships) change meanwhile
-            again = flight.settled(x)
-            change = float(motion[row] - 0.5 * (base[row] + again[row]))
-            base = again
+            change = float(motion[row] - base[row])
+            # systems with memory drift (airships) or keep a deflection (the f22's ailerons)
+            base = flight.settled(x)
             size = change * RESIDUALS[acceleration] / float(step)
             moves = not abs(change) <= NONE  # NaN is an effect
             if moves:
