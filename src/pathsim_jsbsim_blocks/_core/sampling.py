@@ -186,7 +186,7 @@ class SampledPlant(SampledBlock):
         if (phase is INSTANT or phase is START) and t >= clock.due:
             i, y, _ = clock.ahead
             clock.ahead = i, y, self.latch(t)
-        elif not (phase in (STEP, INSTANT) and clock.reached < t) and clock.at_latest(t):
+        elif phase not in (STEP, INSTANT) and clock.at_latest(t):
             # a run begins at an instant: values may have been edited since the last run
             i, y, _ = clock.now
             clock.now = i, y, self.latch(t)
