@@ -220,6 +220,15 @@ def test_after_an_exception_the_next_run_goes_on_exactly(method, place, options,
     diagram.check()
 
 
+def test_a_law_of_an_interrupted_step_goes_on_in_another_diagram_without_that_step():
+    one, law = Constant(1.0), Total(T)
+    with pytest.raises(RuntimeError, match="on purpose"):
+        Simulation([Fault("sample"), one, law], [Connection(one, law)], dt=T, log=False).run(1.0)
+    Simulation([one, law], [Connection(one, law)], dt=T, log=False).run(3 * T)
+    # five instants to 0.4 s, and three
+    assert law.outputs[0] == 8.0
+
+
 class Rejection(Event):
     """Refuses a step to ``time`` once, and acts before it is retried."""
 
