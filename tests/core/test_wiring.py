@@ -27,6 +27,7 @@ from pathsim_jsbsim_blocks import (
     YawDamper,
     fly,
 )
+from pathsim_jsbsim_blocks._core.wiring import warn_of_wiring
 from pathsim_jsbsim_blocks.catalogue import diagram_names, load_diagram
 from pathsim_jsbsim_blocks.control.gain_tables import TABLES, table
 
@@ -54,11 +55,8 @@ def said(sim, run=None):
     ids=["run", "fly", "timestep", "streaming"],
 )
 def test_every_way_to_run_warns_of_a_lost_command_and_of_default_gains(run):
-    plane, lost, other = (
-        Aircraft("737", altitude=10_000, speed=280, gear=0),
-        PitchHold(),
-        RollHold(),
-    )
+    plane = Aircraft("737", altitude=10_000, speed=280, gear=0)
+    lost, other = PitchHold(), RollHold()
     wires = [Connection(plane["theta", "q"], lost["theta", "q"])]
     wires += [Connection(plane["phi", "p"], other["phi", "p"])]
     wires += [Connection(other["aileron"], plane["aileron"])]
@@ -180,10 +178,13 @@ def test_a_wire_from_inside_a_subsystem_to_its_outside():
 
 def test_a_wire_added_later_is_seen_at_the_next_run():
     stranger, one, scope = Constant(1.0), Constant(2.0), Scope()
-    sim = Simulation([one, scope], [Connection(one, scope)], log=False)
-    assert said(sim) == []
-    sim.add_connection(Connection(stranger, scope[1]))
-    assert len(said(sim)) == 1
+    for first_flown in (True, False):
+        sim = Simulation([one, scope], [Connection(one, scope)], log=False)
+        assert not first_flown or said(sim) == []
+        sim.add_connection(Connection(stranger, scope[1]))
+        # `load_diagram` looks before the run
+        assert said(sim, lambda sim=sim: warn_of_wiring(sim)) == []
+        assert len(said(sim)) == 1
 
 
 def autopilot(*switches):
@@ -203,16 +204,9 @@ def test_a_loop_that_is_switched_off_needs_no_wire():
 
 def test_other_controllers_and_holds_that_drive_anything_are_left_alone():
     plane, damper, gain, pid = Aircraft(), YawDamper(), Amplifier(1.0), DiscretePID()
-    sim = Simulation(
-        [plane, damper, gain, pid],
-        [
-            Connection(plane["r"], damper["r"]),
-            Connection(plane["theta"], pid["y"]),
-            Connection(damper["rudder"], gain),
-        ],
-        dt=1 / 120,
-        log=False,
-    )
+    wires = [Connection(plane["r"], damper["r"]), Connection(plane["theta"], pid["y"])]
+    wires += [Connection(damper["rudder"], gain)]
+    sim = Simulation([plane, damper, gain, pid], wires, dt=1 / 120, log=False)
     assert said(sim) == []
 
 
@@ -325,6 +319,18 @@ def test_gains_of_another_aircraft_through_other_blocks():
     ]
     assert said(Simulation([plane, hold, limit], wires, dt=1 / 120, log=False)) == others(
         "737", "c172p"
+    )
+
+
+def test_a_hold_whose_reference_another_aircraft_follows_does_not_fly_it():
+    leader = Aircraft("c172p", altitude=5000, speed=90)
+    follower = Aircraft("737", altitude=5000, speed=250, gear=1.0)
+    hold, servo, pid = PitchHold(gains="c172p"), Actuator(), DiscretePID()
+    wires = [*elevator(leader, hold, [servo])[:-1], Connection(servo["sat"], hold["elev_sat"])]
+    wires += [Connection(hold["theta_cmd"], pid["r"]), Connection(follower["theta"], pid["y"])]
+    wires += [Connection(pid, follower["elevator"])]
+    assert (
+        said(Simulation([leader, follower, hold, servo, pid], wires, dt=1 / 120, log=False)) == []
     )
 
 
