@@ -83,9 +83,9 @@ def effects(
             continue
         i, row = flight.names.index(name), flight.used.index(acceleration)
         low, high = float(flight.low[i]), float(flight.high[i])
-        near = _STEP if x[i] + _STEP <= high else -_STEP
+        small = _STEP if x[i] + _STEP <= high else -_STEP
         # the model may limit the command to a part of its range: to the farther end then
-        for step in (near, max(high - x[i], low - x[i], key=abs)):
+        for step in (small, max(high - x[i], low - x[i], key=abs)):
             y = x.copy()
             y[i] += step
             motion = flight.settled(y)
