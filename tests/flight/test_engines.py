@@ -543,9 +543,8 @@ def test_the_effect_of_a_command_whose_deflection_stays_is_that_in_plain_jsbsim(
         for _ in range(60):
             fdm.run_ic()
         pdot[aileron] = fdm["accelerations/pdot-rad_sec2"]
-    condition = TrimCondition(altitude=5000, speed=300, gear=1)
-    effects = {effect.command: effect for effect in responses(Airframe("f22"), condition)[1]}
-    assert effects["roll"].size == pytest.approx((pdot[0.5] - pdot[0.0]) / 0.5, rel=1e-6)
+    *_, roll, _ = responses(Airframe("f22"), TrimCondition(altitude=5000, speed=300, gear=1))[1]
+    assert roll.size == pytest.approx((pdot[0.5] - pdot[0.0]) / 0.5, rel=1e-6)
 
 
 def test_a_command_that_the_model_writes_itself_has_no_effect():
@@ -554,10 +553,10 @@ def test_a_command_that_the_model_writes_itself_has_no_effect():
     fdm["fcs/pitch-trim-cmd-norm"] = 0.5
     fdm.run()
     assert fdm["fcs/pitch-trim-cmd-norm"] == 0.0
-    effects = {e.command: e for e in responses(Airframe("ah1s"), TrimCondition(**SINGLE))[1]}
+    _, pitch, *_ = responses(Airframe("ah1s"), TrimCondition(**SINGLE))[1]
     # 0.5 of it still changes qdot by 2e-5 rad/s2, two tolerances of the search
-    assert effects["pitch"].properties == ("fcs/pitch-trim-cmd-norm",)
-    assert (effects["pitch"].moves, effects["pitch"].written_by_model) == (False, True)
+    assert pitch.properties == ("fcs/pitch-trim-cmd-norm",)
+    assert (pitch.moves, pitch.written_by_model) == (False, True)
 
 
 def test_a_propeller_that_stops_settles_the_second_time_as_the_first():
