@@ -43,8 +43,10 @@ def test_nothing_heavy_is_imported_before_it_is_needed():
 
 
 def test_a_name_that_is_not_there():
-    with pytest.raises(AttributeError, match="blocks' has no attribute 'Aircaft'"):
+    with pytest.raises(AttributeError, match="blocks' has no attribute 'Aircaft'") as error:
         package.Aircaft  # noqa: B018
+    # Python itself adds both, and looks among the names of the object: "Did you mean: 'Aircraft'?"
+    assert (error.value.name, error.value.obj) == ("Aircaft", package)
     with pytest.raises(ImportError, match="cannot import name 'Airframes' from"):
         from pathsim_jsbsim_blocks.flight import Airframes  # noqa: F401
 

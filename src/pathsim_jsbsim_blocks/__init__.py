@@ -54,5 +54,5 @@ def __dir__() -> list[str]:
 
 def __getattr__(name: str) -> object:
     if name not in _names or name in _absent:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return _load(name)
