@@ -67,6 +67,9 @@ def test_the_noise_is_white_normal_and_its_own():
     assert np.array_equal(y, again)
     n, x, z = len(y), (y - 2.0) / 0.3, (other - 2.0) / 0.3
     assert n == 3001
+    # the draws of NumPy in their order, 1024 at once: a seed keeps its noise between versions
+    numbers = [np.random.default_rng([4, stretch]).standard_normal(1024) for stretch in range(3)]
+    assert x == pytest.approx(np.concatenate(numbers)[:n], abs=1e-12)
     # three standard errors
     assert abs(x.mean()) < 3 / math.sqrt(n)
     assert abs(x.var() - 1.0) < 3 * math.sqrt(2 / n)
