@@ -161,7 +161,7 @@ def _results(work: Work, parts: list[Part], pending: list[int], jobs: int) -> It
         batch_size=1,
         return_as="generator_unordered",
         initializer=_begin_worker,
-        initargs=(os.getpid(), jobs != 1 and os.getcwd()),
+        initargs=(os.getpid(), os.getcwd()),
     )
     with _ctrl_c_waits():
         results = parallel(tasks())
