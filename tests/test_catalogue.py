@@ -270,7 +270,7 @@ def test_a_working_directory_that_is_gone_is_one_line(arguments, tmp_path, monke
         (["study", "aoa_vs_cas", "--speeds", "90:50:10"], "FIRST:LAST:STEP"),
         (["study", "trim_envelope", "--aircraft", "c17p"], "did you mean 'c172p'"),
         (["properties", "c172p", "--after", "-1"], "after must be at least 0"),
-        (["properties", "737", "theta", "--trim", "--speed", "100"], "reached the end"),
+        (["properties", "737", "theta", "--trim", "--speed", "100"], "It trims at 15"),
         (["run", "hello_jsbsim", "--save", "a.foo"], "'png'"),
         (["run", "hello_jsbsim", "--save", "."], "is a directory"),
         (["run", "hello_jsbsim", "--csv", "a.xlsx"], "did you mean 'a.csv'"),

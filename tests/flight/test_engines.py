@@ -417,6 +417,7 @@ def test_so_is_one_of_roll_or_yaw(tmp_path, command):
         ("rudder", -0.1, 0.1, {"beta": 8}, 1.0),
         ("rudder", -0.1, 0.1, {"beta": -8}, -1.0),
         ("rudder", 0.0, 0.1, {"beta": -8}, -1.0),
+        ("rudder", -1.0, 0.0, {"beta": 8}, 1.0),
         ("rudder", -0.02, 0.02, {"mode": "turn", "bank": 40}, -1.0),
     ],
 )

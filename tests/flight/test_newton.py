@@ -235,6 +235,13 @@ def test_a_pull_up_curves_the_path_by_the_load_factor():
         ("SGS", {"altitude": 5000, "speed": 60}, "thrust", None),
         ("c172p", {"altitude": 3, "speed": 70}, "ground", None),
         ("f16", {"altitude": 5000, "speed": 276, "gear": 0, "beta": -5}, "rudder", -1.0),
+        # with the elevator at its other end the nose rises
+        (
+            "MD11",
+            {"altitude": 5000, "speed": 284, "gear": 0, "mode": "pull-up", "load_factor": 4},
+            "no convergence",
+            None,
+        ),
         # the pitching moment of this model is a sawtooth over the airspeed
         ("Camel", {"altitude": 5000, "speed": 130, "mode": "glide"}, "no equilibrium", None),
         # its engines are not running: the propellers start to turn, and do not settle

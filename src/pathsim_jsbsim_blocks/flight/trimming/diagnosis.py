@@ -14,7 +14,7 @@ from ..model_xml import Engine
 from ..settling import MOST_SUBSTEPS
 from .check import HandsOff
 from .condition import TrimCondition
-from .effects import COMMANDS, Effect, effects
+from .effects import COMMANDS, NONE, Effect, effects
 from .equations import RESIDUALS, Effort, SteadyFlight, size
 from .failure import failure
 from .initial import initialise
@@ -321,19 +321,25 @@ def _insufficient(ending: Ending) -> tuple[str, float | None]:
 
     The search may end before the end of a range where the model limits the command to a part of it.
     """
-    flight, row = ending.flight, int(abs(ending.r).argmax())
+    largest = ending.flight.used[int(abs(ending.r).argmax())]
     for unknowns, acceleration in COMMANDS.values():
-        name = next((name for name in unknowns if name in flight.names), "")
-        if not name or acceleration != flight.used[row]:
-            continue
-        i, residuals = flight.names.index(name), dict[float, float]()
-        for limit in (float(flight.low[i]), float(flight.high[i])):
-            y = ending.x.copy()
-            y[i] = limit
-            residuals[limit] = float(flight.settled(y)[row] * ending.r[row])
-        if min(residuals.values()) > 0.0:
-            return name, min(residuals, key=residuals.__getitem__)
+        for name in unknowns:
+            if name in ending.flight.names and acceleration == largest:
+                ends = _at_ends(ending, name, acceleration)
+                if min(ends.values()) > 0.0 and max(ends.values()) - min(ends.values()) > NONE:
+                    return name, min(ends, key=ends.__getitem__)
     return "", None
+
+
+def _at_ends(ending: Ending, name: str, acceleration: str) -> dict[float, float]:
+    """Residual of an acceleration at the ends of a command's range; the present one is positive."""
+    flight, row = ending.flight, ending.flight.used.index(acceleration)
+    i, residuals = flight.names.index(name), dict[float, float]()
+    for limit in (float(flight.low[i]), float(flight.high[i])):
+        y = ending.x.copy()
+        y[i] = limit
+        residuals[limit] = float(flight.settled(y)[row] * np.sign(ending.r[row]))
+    return residuals
 
 
 def _binding(ending: Ending) -> str:
@@ -343,9 +349,20 @@ def _binding(ending: Ending) -> str:
     if ending.state.condition.thrust is None:
         more["throttle"] = r[0] < 0.0
     ends = zip(flight.names, x <= flight.low, x >= flight.high, strict=True)
-    # only limits in the direction that would help, not where a search is merely stuck
+    # only limits in the direction that would help, not where a search is merely stuck: the other
+    # end of the range would reverse the residual
     names = [n for n, low, high in ends if (low or high) and more.get(n, high) == high]
-    return min(names, key=[*_LIMITS].index, default="")
+    return min((n for n in names if not _reverses(ending, n)), key=[*_LIMITS].index, default="")
+
+
+def _reverses(ending: Ending, name: str) -> bool:
+    """Whether one end of a command's range reverses the residual of its acceleration."""
+    remains = dict(zip(ending.flight.used, abs(ending.r).tolist(), strict=True))
+    return any(
+        min(_at_ends(ending, name, acceleration).values()) < 0.0
+        for unknowns, acceleration in COMMANDS.values()
+        if name in unknowns and name != "throttle" and remains.get(acceleration, 0.0) > 1.0
+    )
 
 
 def with_throttle_at_end(flight: SteadyFlight, x: np.ndarray, r: np.ndarray) -> np.ndarray:

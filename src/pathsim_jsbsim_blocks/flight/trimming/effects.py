@@ -84,8 +84,8 @@ def effects(
         i, row = flight.names.index(name), flight.used.index(acceleration)
         low, high = float(flight.low[i]), float(flight.high[i])
         small = _STEP if x[i] + _STEP <= high else -_STEP
-        # the model may limit the command to a part of its range: to the farther end then
-        for step in (small, max(high - x[i], low - x[i], key=abs)):
+        # the model may limit the command to a part of its range: to its ends then
+        for step in filter(None, (small, high - float(x[i]), low - float(x[i]))):
             y = x.copy()
             y[i] += step
             motion = flight.settled(y)
@@ -93,7 +93,7 @@ def effects(
             change = float(motion[row] - base[row])
             # systems with memory drift (airships) or keep a deflection (the f22's ailerons)
             base = flight.settled(x)
-            size = change * RESIDUALS[acceleration] / float(step)
+            size = change * RESIDUALS[acceleration] / step
             moves = not abs(change) <= NONE  # NaN is an effect
             if moves:
                 break

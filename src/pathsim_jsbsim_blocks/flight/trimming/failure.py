@@ -44,16 +44,18 @@ def failure(
     if residuals is None:
         residuals = {name: fdm[STATE[name]] for name in LIMITS}
     alpha_min, alpha_max = alpha_range(airframe)
-    thrust = "the throttle reached the end of its range"
+    thrust = "the throttle is insufficient at the end of its range"
     if len(airframe.stopped) == airframe.engines:
         thrust = f"it has no {'running ' if airframe.stopped else ''}engine to hold the speed with "
         thrust += "(mode='glide' frees the path angle)"
     limits = {
         "thrust": thrust,
         "alpha limit": f"alpha reached the end of [{alpha_min:.4g}, {alpha_max:.4g}] deg",
-        "elevator": "the pitch trim reached the end of [-1, 1]",
+        "elevator": "the pitch control is insufficient at the end of its range",
+        "aileron": "the aileron is insufficient at the end of its range",
+        "rudder": "the rudder is insufficient at the end of its range",
         "propeller": "a propeller does not settle at this condition",
-        "no convergence": "no control reached its limit, but the search did not converge",
+        "no convergence": "the search did not converge, and no limit was shown to prevent it",
     }
     why = why or limits.get(reason, f"the {reason} reached the end of its range")
     if limit is not None:
