@@ -242,6 +242,14 @@ def test_a_pull_up_curves_the_path_by_the_load_factor():
             "no convergence",
             None,
         ),
+        # after a search that was given up the throttle still has its effect
+        ("pc7", {"altitude": 5000, "speed": 204, "gear": 0}, "thrust", 1.0),
+        (
+            "B17",
+            {"altitude": 5000, "speed": 166, "gear": 0, "mode": "turn", "bank": -75},
+            "thrust",
+            1.0,
+        ),
         # the pitching moment of this model is a sawtooth over the airspeed
         ("Camel", {"altitude": 5000, "speed": 130, "mode": "glide"}, "no equilibrium", None),
         # its engines are not running: the propellers start to turn, and do not settle

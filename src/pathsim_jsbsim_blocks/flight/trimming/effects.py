@@ -83,6 +83,7 @@ def effects(
             continue
         i, row = flight.names.index(name), flight.used.index(acceleration)
         low, high = float(flight.low[i]), float(flight.high[i])
+        flight.effort.steps = 0  # an exhausted effort would keep propellers from settling
         small = _STEP if x[i] + _STEP <= high else -_STEP
         # the model may limit the command to a part of its range: to its ends then
         for step in filter(None, (small, high - float(x[i]), low - float(x[i]))):
@@ -90,11 +91,12 @@ def effects(
             y[i] += step
             motion = flight.settled(y)
             rewrites = any(abs(airframe.fdm[n] - y[i]) > 1e-9 for n in names)
-            change = float(motion[row] - base[row])
-            # systems with memory drift (airships) or keep a deflection (the f22's ailerons)
-            base = flight.settled(x)
-            size = change * RESIDUALS[acceleration] / step
-            moves = not abs(change) <= NONE  # NaN is an effect
+            again = flight.settled(x)
+            size = float(motion[row] - base[row]) * RESIDUALS[acceleration] / step
+            # without the command, what systems with memory (airships) change meanwhile; NaN is an
+            # effect
+            moves = not abs(motion[row] - 0.5 * (base[row] + again[row])) <= NONE
+            base = again
             if moves:
                 break
         yield Effect(command, tuple(names), acceleration, size, moves, rewrites)

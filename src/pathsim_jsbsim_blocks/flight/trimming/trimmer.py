@@ -319,9 +319,8 @@ class Trimmer:
     ) -> Ending:
         """The airframe at the end of a search, and what a flight from there shows."""
         airframe, light = self.airframe, None
-        if reached.size <= 1.0:
-            # reset, because an exhausted effort would keep the propellers from settling
-            self._effort.steps = 0
+        # reset, because an exhausted effort would keep the propellers from settling
+        self._effort.steps = 0
         if flight.propellers.per_step > 2.0:
             # before the last state is set, because it flies trials
             flight.settled(reached.x)
