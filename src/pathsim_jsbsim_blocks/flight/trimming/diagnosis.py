@@ -39,6 +39,8 @@ _LIMITS = {
     "aileron": "aileron",
     "rudder": "rudder",
 }
+# unknown of a command -> its primary acceleration
+_ACCELERATIONS = {name: acceleration for names, acceleration in COMMANDS.values() for name in names}
 _ANGLES = ("alpha", "phi", "beta", "gamma", "rate")
 
 # residuals, in tolerances, with which the end of a search is a trim if a flight from it stays
@@ -322,19 +324,18 @@ def _insufficient(ending: Ending) -> tuple[str, float | None]:
     The search may end before the end of a range where the model limits the command to a part of it.
     """
     largest = ending.flight.used[int(abs(ending.r).argmax())]
-    for unknowns, acceleration in COMMANDS.values():
-        for name in unknowns:
-            if name in ending.flight.names and acceleration == largest:
-                ends = _at_ends(ending, name, acceleration)
-                if min(ends.values()) > 0.0 and max(ends.values()) - min(ends.values()) > NONE:
-                    return name, min(ends, key=ends.__getitem__)
+    for name in ending.flight.names:
+        if _ACCELERATIONS.get(name) == largest:
+            ends = _at_ends(ending, name)
+            if min(ends.values()) > 0.0 and max(ends.values()) - min(ends.values()) > NONE:
+                return name, min(ends, key=ends.__getitem__)
     return "", None
 
 
-def _at_ends(ending: Ending, name: str, acceleration: str) -> dict[float, float]:
-    """Residual of an acceleration at the ends of a command's range; the present one is positive."""
-    flight, row = ending.flight, ending.flight.used.index(acceleration)
-    i, residuals = flight.names.index(name), dict[float, float]()
+def _at_ends(ending: Ending, name: str) -> dict[float, float]:
+    """Residual of a command's acceleration at the ends of its range; the present is positive."""
+    flight, residuals = ending.flight, dict[float, float]()
+    i, row = flight.names.index(name), flight.used.index(_ACCELERATIONS[name])
     for limit in (float(flight.low[i]), float(flight.high[i])):
         y = ending.x.copy()
         y[i] = limit
@@ -357,12 +358,10 @@ def _binding(ending: Ending) -> str:
 
 def _reverses(ending: Ending, name: str) -> bool:
     """Whether one end of a command's range reverses the residual of its acceleration."""
-    remains = dict(zip(ending.flight.used, abs(ending.r).tolist(), strict=True))
-    return any(
-        min(_at_ends(ending, name, acceleration).values()) < 0.0
-        for unknowns, acceleration in COMMANDS.values()
-        if name in unknowns and name != "throttle" and remains.get(acceleration, 0.0) > 1.0
-    )
+    if name == "throttle" or (acceleration := _ACCELERATIONS.get(name)) not in ending.flight.used:
+        return False
+    remains = abs(ending.r[ending.flight.used.index(acceleration)]) > 1.0
+    return bool(remains and min(_at_ends(ending, name).values()) < 0.0)
 
 
 def with_throttle_at_end(flight: SteadyFlight, x: np.ndarray, r: np.ndarray) -> np.ndarray:
